@@ -1,0 +1,23 @@
+find_package(Threads REQUIRED)
+find_package(fmt REQUIRED)
+find_package(TBB REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(benchmark REQUIRED)
+find_package(OpenSSL REQUIRED)
+find_package(LibArchive REQUIRED)
+find_package(CURL REQUIRED)
+find_package(assimp REQUIRED)
+find_package(CGAL REQUIRED)
+find_package(GTest REQUIRED)
+find_package(PkgConfig REQUIRED)
+# By pkg-config: Debian's CMake file of OpenImageIO demands OpenCV headers that its package does not bring.
+pkg_check_modules(oiio REQUIRED IMPORTED_TARGET OpenImageIO)
+pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
+
+# Embree 4 where it is installed, else 3.13: the code compiles against both (methods/embree/embree_version.h).
+find_package(embree 4 QUIET)
+if(NOT embree_FOUND)
+  find_package(embree 3.13 REQUIRED)
+endif()

@@ -1,0 +1,1 @@
+# Installs the library, its headers and the CMake package that out-of-tree plugins find.

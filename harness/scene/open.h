@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "harness/base/error.h"
+#include "harness/scene/scene.h"
+
+namespace raystudy {
+
+/// A catalog scene whose files are neither on RAYSTUDY_SCENES nor in the user's cache. A visible row, never a substitute:
+/// 'scene not installed: raystudy scene get NAME', or that it must be added by hand.
+class SceneNotInstalled : public Error {
+ public:
+  using Error::Error;
+};
+
+/// Opens a scene by name: a procedural one (`triangles` and `seed` apply) or one of the catalog (scenes/catalog.yaml; its
+/// cameras, lights and materials are added). Throws Error with the nearest name, SceneNotInstalled, or what is wrong with the file.
+[[nodiscard]] Scene open_scene(std::string_view name, std::int64_t triangles = 0, std::uint64_t seed = 1);
+
+}  // namespace raystudy

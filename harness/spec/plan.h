@@ -1,0 +1,127 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "harness/base/error.h"
+#include "harness/method/params.h"
+
+namespace raystudy {
+
+/// How large the study is: `quick` for a look, `full` for a result, `paper` for the publication's own sizes.
+enum class Scale : unsigned char { quick, full, paper };
+
+/// A scene of the matrix: a catalog name, or a procedural generator with its parameters.
+struct SceneSpec {
+  std::string label;  ///< the row's name in tables; unique in an experiment
+  std::string name;   ///< in the catalog, or of a generator
+  std::int64_t triangles = 0;  ///< of a generator
+  std::uint64_t seed = 1;      ///< of a generator
+  SourceLocation where;
+};
+
+/// builder → optimizers → encoder, every stage timed on its own.
+struct PipelineSpec {
+  std::string label;  ///< with its sweep point, e.g. "insertion[batch=2]"; unique
+  std::string base;   ///< the name in YAML, without the sweep point
+  std::map<std::string, ParamValue> sweep;  ///< the sweep point: parameter → value
+  MethodRef builder;
+  std::vector<MethodRef> optimizers;
+  std::optional<MethodRef> encoder;
+  std::vector<std::string> tracers;  ///< labels of the tracers used with it; all that accept its accel where YAML names none
+  SourceLocation where;
+};
+
+struct TracerSpec {
+  std::string label;
+  MethodRef tracer;
+  SourceLocation where;
+};
+
+struct WorkloadSpec {
+  std::string label;
+  MethodRef workload;
+  SourceLocation where;
+};
+
+struct CostSpec {
+  double traversal = 3;     ///< c_T
+  double intersection = 2;  ///< c_I
+  MethodRef heuristic;      ///< surface-area unless the experiment says otherwise
+};
+
+/// A point of the matrix. A build cell has neither tracer nor workload.
+struct Cell {
+  std::size_t scene = 0;                ///< index into Plan::scenes
+  std::size_t pipeline = 0;             ///< index into Plan::pipelines
+  std::optional<std::size_t> tracer;    ///< index into Plan::tracers
+  std::optional<std::size_t> workload;  ///< index into Plan::workloads
+};
+
+/// A column of a table: a metric of one method (with tracer and workload for a traced metric), or a formula over columns.
+struct ColumnSpec {
+  std::string name;        ///< key, used by formulas and in the long CSV
+  std::string label;       ///< heading
+  std::string metric;      ///< e.g. cost, total_time, trace_rate
+  std::string method;      ///< PipelineSpec::label; empty where the rows are methods
+  std::string tracer;
+  std::string workload;
+  std::string relative_to;  ///< a method whose value of the same metric divides this one
+  std::string unit;         ///< shown unit; "%" multiplies a ratio by 100
+  int decimals = 2;
+  std::string published;    ///< key into the paper's published table, e.g. "table1.cost"
+  SourceLocation where;
+};
+
+struct TableSpec {
+  std::string name;
+  std::string caption;
+  std::string rows;  ///< "scene" or "method"
+  std::vector<std::string> row_filter;  ///< labels in the order shown; empty: all
+  std::string scene;                    ///< where the rows are methods: the scene
+  std::vector<ColumnSpec> columns;
+  SourceLocation where;
+};
+
+/// A picture: `kind` is heat-map, render, depth-histogram, line…; the report module reads `options`.
+struct FigureSpec {
+  std::string name;
+  std::string kind;
+  std::string caption;
+  std::map<std::string, std::string> options;
+  std::vector<std::string> methods;
+  std::vector<std::string> scenes;
+  SourceLocation where;
+};
+
+/// A checked experiment: everything the YAML says, completed with defaults, every name resolved.
+struct Plan {
+  std::string file;
+  std::string name;   ///< the file's name without extension
+  std::string title;
+  std::string paper;  ///< results/published/<paper>.yaml; empty where nothing is published
+  Scale scale = Scale::quick;
+  std::uint64_t seed = 1;
+  int threads = 1;
+  int repetitions = 3;
+  double warm_up_seconds = 0;
+  double timeout_seconds = 0;     ///< a cell; 0: none
+  double memory_limit_bytes = 0;  ///< a cell; 0: none
+  CostSpec cost;
+  std::vector<SceneSpec> scenes;
+  std::vector<PipelineSpec> pipelines;
+  std::vector<TracerSpec> tracers;
+  std::vector<WorkloadSpec> workloads;
+  std::vector<MethodRef> metrics;
+  std::vector<Cell> cells;
+  std::vector<TableSpec> tables;
+  std::vector<FigureSpec> figures;
+};
+
+/// Reads and checks an experiment. Throws one Error with all of the file's diagnostics, each with line and column.
+[[nodiscard]] Plan read_plan(const std::string& file, Scale scale);
+
+}  // namespace raystudy
