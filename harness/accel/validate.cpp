@@ -66,7 +66,8 @@ class Validator {
 
   void visit_leaf(std::uint32_t i, const Bvh2Node& node) {
     if (std::size_t{node.first} + node.count > bvh_.triangles.size()) {
-      report("leaf {} ends at {}, past the {} triangle references", i, std::size_t{node.first} + node.count, bvh_.triangles.size());
+      report("leaf {} ends at {}, past the {} triangle references", i, std::size_t{node.first} + node.count,
+             bvh_.triangles.size());
       return;
     }
     for (std::uint32_t k = node.first; k < node.first + node.count; ++k) {

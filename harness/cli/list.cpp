@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-
 #include "harness/cli/verb.h"
 #include "harness/method/registry.h"
 

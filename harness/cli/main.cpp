@@ -28,7 +28,9 @@ std::string verb_hint(int argc, char** argv) {
   std::vector<std::string> names;
   for (const auto& [name, entry] : verbs()) names.push_back(name);
   if (argc < 2 || argv[1][0] == '-' || verbs().contains(argv[1])) return {};
-  return Diagnostic{{}, fmt::format("there is no command '{}'", argv[1]), fmt::format("one of {}", fmt::join(names, ", ")),
+  return Diagnostic{{},
+                    fmt::format("there is no command '{}'", argv[1]),
+                    fmt::format("one of {}", fmt::join(names, ", ")),
                     nearest_name(argv[1], names)}
       .text();
 }

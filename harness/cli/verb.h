@@ -9,10 +9,10 @@ namespace raystudy::cli {
 /// What the process returns; documented in README.md.
 enum ExitCode : int {
   exit_ok = 0,
-  exit_failed_rows = 1,  ///< the study ran to its end, but some cells failed
-  exit_bad_input = 2,    ///< a flag, file or environment variable is wrong; nothing was measured
-  exit_internal = 3,     ///< a mistake in Raystudy or a plugin
-  exit_interrupted = 130 ///< SIGINT or SIGTERM; what was measured is kept
+  exit_failed_rows = 1,   ///< the study ran to its end, but some cells failed
+  exit_bad_input = 2,     ///< a flag, file or environment variable is wrong; nothing was measured
+  exit_internal = 3,      ///< a mistake in Raystudy or a plugin
+  exit_interrupted = 130  ///< SIGINT or SIGTERM; what was measured is kept
 };
 
 /// Declares a verb's options on its subcommand and returns what to run after parsing; that returns an ExitCode.

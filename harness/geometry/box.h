@@ -22,9 +22,7 @@ struct Box {
     lower = min(lower, b.lower);
     upper = max(upper, b.upper);
   }
-  [[nodiscard]] constexpr bool is_empty() const {
-    return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z);
-  }
+  [[nodiscard]] constexpr bool is_empty() const { return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z); }
   [[nodiscard]] constexpr Vec3 extent() const { return upper - lower; }
   [[nodiscard]] constexpr Vec3 center() const { return (lower + upper) * 0.5F; }
   /// Half the surface area; 0 for the empty box. Heuristics compare areas only, so the factor 2 is left out everywhere.
@@ -34,8 +32,8 @@ struct Box {
     return e.x * e.y + e.y * e.z + e.z * e.x;
   }
   [[nodiscard]] constexpr bool contains(const Box& b) const {
-    return lower.x <= b.lower.x && lower.y <= b.lower.y && lower.z <= b.lower.z && b.upper.x <= upper.x &&
-           b.upper.y <= upper.y && b.upper.z <= upper.z;
+    return lower.x <= b.lower.x && lower.y <= b.lower.y && lower.z <= b.lower.z && b.upper.x <= upper.x && b.upper.y <= upper.y &&
+           b.upper.z <= upper.z;
   }
   [[nodiscard]] int longest_axis() const {
     const Vec3 e = extent();

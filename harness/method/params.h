@@ -40,7 +40,8 @@ struct ParamSpec {
 };
 
 [[nodiscard]] ParamSpec boolean_param(std::string name, bool fallback, std::string summary);
-[[nodiscard]] ParamSpec integer_param(std::string name, std::int64_t fallback, std::string summary, double lowest, double highest);
+[[nodiscard]] ParamSpec integer_param(std::string name, std::int64_t fallback, std::string summary, double lowest,
+                                      double highest);
 [[nodiscard]] ParamSpec real_param(std::string name, double fallback, std::string summary, double lowest, double highest);
 [[nodiscard]] ParamSpec text_param(std::string name, std::string fallback, std::string summary);
 /// The default is the first choice.

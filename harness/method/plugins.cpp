@@ -13,8 +13,10 @@ namespace {
 std::vector<std::filesystem::path> plugin_files(const std::filesystem::path& path) {
   if (std::filesystem::is_regular_file(path)) return {path};
   if (!std::filesystem::is_directory(path)) {
-    throw Error(Diagnostic{{}, fmt::format("RAYSTUDY_PLUGINS names '{}', which is not there", path.string()),
-                           "a shared library, or a folder of them", {}});
+    throw Error(Diagnostic{{},
+                           fmt::format("RAYSTUDY_PLUGINS names '{}', which is not there", path.string()),
+                           "a shared library, or a folder of them",
+                           {}});
   }
   std::vector<std::filesystem::path> files;
   for (const auto& item : std::filesystem::directory_iterator(path)) {
@@ -22,8 +24,10 @@ std::vector<std::filesystem::path> plugin_files(const std::filesystem::path& pat
   }
   std::sort(files.begin(), files.end());
   if (files.empty()) {
-    throw Error(Diagnostic{{}, fmt::format("RAYSTUDY_PLUGINS names the folder '{}', which holds no *.so", path.string()),
-                           "a shared library, or a folder of them", {}});
+    throw Error(Diagnostic{{},
+                           fmt::format("RAYSTUDY_PLUGINS names the folder '{}', which holds no *.so", path.string()),
+                           "a shared library, or a folder of them",
+                           {}});
   }
   return files;
 }
@@ -37,13 +41,18 @@ void load_plugin(const std::filesystem::path& file) {
   registry.set_origin("built in");
   if (handle == nullptr) {
     const char* reason = dlerror();
-    throw Error(Diagnostic{{}, fmt::format("cannot load plugin '{}': {}", file.string(), reason != nullptr ? reason : "unknown reason"),
-                           "a shared library built with find_package(Raystudy) of this version", {}});
+    throw Error(
+        Diagnostic{{},
+                   fmt::format("cannot load plugin '{}': {}", file.string(), reason != nullptr ? reason : "unknown reason"),
+                   "a shared library built with find_package(Raystudy) of this version",
+                   {}});
   }
   registry.require_no_conflicts();
   if (registry.entries().size() == before) {
-    throw Error(Diagnostic{{}, fmt::format("plugin '{}' registers no method", file.string()),
-                           "a static raystudy::Registration<T> object in it", {}});
+    throw Error(Diagnostic{{},
+                           fmt::format("plugin '{}' registers no method", file.string()),
+                           "a static raystudy::Registration<T> object in it",
+                           {}});
   }
 }
 

@@ -36,7 +36,8 @@ std::string expected_text(const ParamSpec& spec) {
 }
 
 [[noreturn]] void refuse(const ParamSpec& spec, const ParamValue& value, std::string nearest = {}) {
-  throw Error(Diagnostic{{}, fmt::format("parameter '{}' is {}", spec.name, described(value)), expected_text(spec), std::move(nearest)});
+  throw Error(
+      Diagnostic{{}, fmt::format("parameter '{}' is {}", spec.name, described(value)), expected_text(spec), std::move(nearest)});
 }
 
 void require_in_range(const ParamSpec& spec, double number, const ParamValue& value) {

@@ -46,7 +46,8 @@ class Registry {
   }
   [[nodiscard]] Params default_params(Role role, std::string_view name) const;
   /// Default parameters with some replaced; checks names, types and ranges as YAML does. Throws Error.
-  [[nodiscard]] MethodRef ref(Role role, std::string_view name, std::map<std::string, ParamValue, std::less<>> changes = {}) const;
+  [[nodiscard]] MethodRef ref(Role role, std::string_view name,
+                              std::map<std::string, ParamValue, std::less<>> changes = {}) const;
 
   /// The file that methods registered from now on come from; set around dlopen.
   void set_origin(std::string origin) { origin_ = std::move(origin); }
@@ -62,7 +63,8 @@ class Registry {
 template <class T>
 struct Registration {
   Registration() {
-    Registry::instance().add(T::role, T::info(), [](const Params& p) -> std::unique_ptr<Method> { return std::make_unique<T>(p); });
+    Registry::instance().add(T::role, T::info(),
+                             [](const Params& p) -> std::unique_ptr<Method> { return std::make_unique<T>(p); });
   }
 };
 

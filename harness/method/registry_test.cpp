@@ -17,7 +17,9 @@ class NullHeuristic : public Heuristic {
             .params = {real_param("scale", 1.5, "factor", 0, 10), integer_param("bins", 16, "number of bins", 2, 256),
                        choice_param("centres", {"box", "centroid"}, "what orders triangles")}};
   }
-  [[nodiscard]] std::shared_ptr<const Measure> prepare(const Scene&, const BuildContext&) const override { return surface_area(); }
+  [[nodiscard]] std::shared_ptr<const Measure> prepare(const Scene&, const BuildContext&) const override {
+    return surface_area();
+  }
   double scale;
 };
 
@@ -48,8 +50,9 @@ TEST_F(RegistryTest, RefusesWrongTypesRangesChoicesAndNames) {
   EXPECT_EQ(message_of({{"bins", 2.5}}), "heuristic 'null': parameter 'bins' is the number 2.5; expected an integer in [2, 256]");
   EXPECT_EQ(message_of({{"bins", std::int64_t{1}}}),
             "heuristic 'null': parameter 'bins' is the integer 1; expected an integer in [2, 256]");
-  EXPECT_EQ(message_of({{"centres", "centrod"}}),
-            "heuristic 'null': parameter 'centres' is the text 'centrod'; expected one of box, centroid; did you mean 'centroid'?");
+  EXPECT_EQ(
+      message_of({{"centres", "centrod"}}),
+      "heuristic 'null': parameter 'centres' is the text 'centrod'; expected one of box, centroid; did you mean 'centroid'?");
   EXPECT_EQ(message_of({{"scal", 1.0}}),
             "heuristic 'null' has no parameter 'scal'; expected one of scale, bins, centres; did you mean 'scale'?");
 }
@@ -74,9 +77,10 @@ TEST_F(RegistryTest, KeepsTheFirstOfTwoPluginsOfOneNameAndReportsBoth) {
     registry.require_no_conflicts();
     FAIL() << "no conflict reported";
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "two plugins register the heuristic 'null': one from built in, one from /plugins/second.so; expected one method a "
-                 "name and role");
+    EXPECT_STREQ(
+        error.what(),
+        "two plugins register the heuristic 'null': one from built in, one from /plugins/second.so; expected one method a "
+        "name and role");
   }
 }
 
