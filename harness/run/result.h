@@ -18,7 +18,10 @@ struct Measurement {
   ValueClass value_class = ValueClass::exact;
   std::string unit;
   std::vector<double> samples;
+  /// The middle sample, or the mean of the two middle ones. NaN without samples.
   [[nodiscard]] double median() const;
+
+  friend bool operator==(const Measurement&, const Measurement&) = default;
 };
 
 /// A quantity over an axis: area sums by depth, cost over seconds.
@@ -28,30 +31,55 @@ struct Series {
   std::string unit;
   std::vector<double> x;
   std::vector<double> y;
+
+  friend bool operator==(const Series&, const Series&) = default;
 };
 
 /// done: measured. failed: crashed, timed out, ran out of memory or gave a wrong hit; `reason` says which. missing: something a
 /// user can supply is not there (a scene).
 enum class CellStatus : unsigned char { done, failed, missing };
+[[nodiscard]] std::string_view cell_status_name(CellStatus status);
 
 /// One cell's immutable result: results/<experiment>/<id>.json.
+///
+/// Names of `values`, beside those of the experiment's metrics. Of a build cell: `triangles`; `build_time`, `optimize_time` (the
+/// sum over optimizers; `optimize_time:NAME` for each where there are several), `encode_time`, `total_time` in s, of the stages
+/// that the pipeline has; `build_peak_memory` in B. Of a trace cell: `rays`, `hits`; where the tracer counts `steps_per_ray`,
+/// `tests_per_ray`, `inner_nodes_per_ray`, `leaves_per_ray`, `box_tests_per_ray`; `trace_time` in s, `trace_rate` in Mray/s. Of
+/// both: `cpu_time` in s and `iterations` (how many times the work was repeated within each sample). Of `series`:
+/// `cost_over_time` where an optimizer records it, and the metrics' own.
 struct CellResult {
   std::string id;          ///< hash of everything that can change the numbers (Cell::id)
   std::string experiment;  ///< the YAML's file name without extension
   std::string scene;
-  std::string method;      ///< with its sweep point, e.g. "insertion[batch=2]"
-  std::string tracer;      ///< empty in a build cell
-  std::string workload;    ///< empty in a build cell
+  std::string method;    ///< with its sweep point, e.g. "insertion[batch=2]"
+  std::string tracer;    ///< empty in a build cell
+  std::string workload;  ///< empty in a build cell
   CellStatus status = CellStatus::done;
   std::string reason;
-  std::map<std::string, Measurement> values;     ///< by metric name, e.g. cost, build_time, trace_rate
+  std::map<std::string, Measurement> values;  ///< by metric name, e.g. cost, build_time, trace_rate
   std::map<std::string, Series> series;
-  std::map<std::string, std::string> provenance;  ///< commit, compiler, flags, versions, cpu, kernel, threads, scene hash, seed, command…
+  std::map<std::string, std::string>
+      provenance;  ///< commit, compiler, flags, versions, cpu, kernel, threads, scene hash, seed, command…
+
+  friend bool operator==(const CellResult&, const CellResult&) = default;
 };
 
+/// `<folder>/<id>.json`.
+[[nodiscard]] std::filesystem::path result_file(const std::filesystem::path& folder, std::string_view id);
+
 /// Writes `<folder>/<id>.json` atomically (temporary file, fsync, rename). Throws Error naming the path and the system's reason.
+///
+/// The file is one JSON object: `format` (1), then CellResult's members by their names; `status` is done, failed or missing;
+/// `values` maps a name to {class: exact|ratio|absolute, unit, samples: [numbers]}; `series` maps a name to
+/// {x_name, x_unit, unit, x: [numbers], y: [numbers]}; `provenance` maps a name to a text.
 void write_result(const std::filesystem::path& folder, const CellResult& result);
-/// Throws Error naming the file and what is wrong with it.
+
+/// Throws Error naming the file, where known the line and column, and what is wrong with it.
 [[nodiscard]] CellResult read_result(const std::filesystem::path& file);
+
+/// The same between texts. `source` stands in for the file in errors.
+[[nodiscard]] std::string result_to_json(const CellResult& result);
+[[nodiscard]] CellResult result_from_json(std::string_view text, std::string_view source);
 
 }  // namespace raystudy
