@@ -20,13 +20,22 @@
 
 namespace raystudy {
 
+/// A value that a Metric gives, as it stands in MetricValue.
+struct MetricValueInfo {
+  std::string name;
+  std::string unit;
+  std::string summary{};  ///< the metric's own where empty
+  std::string axis{};     ///< MetricValue::x of a series; empty for a single number
+};
+
 /// What a method says of itself; `list`, `describe`, YAML checking and the docs all read this.
 struct MethodInfo {
   std::string name;      ///< as in YAML: lower case, words joined by '-'
   std::string summary;   ///< one line
   std::string citation;  ///< the paper, with section or equation
   std::vector<ParamSpec> params{};
-  std::string accel{};   ///< the Accel kind a builder or encoder makes, a tracer, optimizer or metric takes ("" takes all)
+  std::string accel{};  ///< the Accel kind a builder or encoder makes, a tracer, optimizer or metric takes ("" takes all)
+  std::vector<MetricValueInfo> values{};  ///< of a metric: every value it may give; tables and figures may name these
 };
 
 /// Cost over time while an optimizer runs: seconds since its start and the cost at that moment.
@@ -40,8 +49,8 @@ struct BuildContext {
   int threads = 1;
   std::uint64_t seed = 1;
   CostModel cost;
-  std::vector<CostSample>* cost_trace = nullptr;    ///< filled by optimizers where not null
-  const std::atomic<bool>* stop = nullptr;          ///< where it turns true, long work ends early with a valid result
+  std::vector<CostSample>* cost_trace = nullptr;  ///< filled by optimizers where not null
+  const std::atomic<bool>* stop = nullptr;        ///< where it turns true, long work ends early with a valid result
   [[nodiscard]] bool stop_requested() const { return stop != nullptr && stop->load(std::memory_order_relaxed); }
 };
 
@@ -120,7 +129,7 @@ struct RayBatch {
   std::vector<Ray> rays;
   Query query = Query::closest_hit;
   bool coherent = false;
-  std::uint32_t width = 0;                 ///< image size where the rays belong to pixels, else 0
+  std::uint32_t width = 0;  ///< image size where the rays belong to pixels, else 0
   std::uint32_t height = 0;
   std::vector<std::uint32_t> ray_pixels{};  ///< pixel (y · width + x) of each ray; empty: ray i is pixel i
 };

@@ -16,8 +16,8 @@ enum class Scale : unsigned char { quick, full, paper };
 
 /// A scene of the matrix: a catalog name, or a procedural generator with its parameters.
 struct SceneSpec {
-  std::string label;  ///< the row's name in tables; unique in an experiment
-  std::string name;   ///< in the catalog, or of a generator
+  std::string label;           ///< the row's name in tables; unique in an experiment
+  std::string name;            ///< in the catalog, or of a generator
   std::int64_t triangles = 0;  ///< of a generator
   std::uint64_t seed = 1;      ///< of a generator
   SourceLocation where;
@@ -25,8 +25,8 @@ struct SceneSpec {
 
 /// builder → optimizers → encoder, every stage timed on its own.
 struct PipelineSpec {
-  std::string label;  ///< with its sweep point, e.g. "insertion[batch=2]"; unique
-  std::string base;   ///< the name in YAML, without the sweep point
+  std::string label;                        ///< with its sweep point, e.g. "insertion[batch=2]"; unique
+  std::string base;                         ///< the name in YAML, without the sweep point
   std::map<std::string, ParamValue> sweep;  ///< the sweep point: parameter → value
   MethodRef builder;
   std::vector<MethodRef> optimizers;
@@ -61,46 +61,52 @@ struct Cell {
   std::optional<std::size_t> workload;  ///< index into Plan::workloads
 };
 
-/// A column of a table: a metric of one method (with tracer and workload for a traced metric), or a formula over columns.
+/// A column of a table: a quantity (quantity.h) of one method, with tracer and workload for a traced one, or a formula over
+/// other columns of the table.
 struct ColumnSpec {
-  std::string name;        ///< key, used by formulas and in the long CSV
-  std::string label;       ///< heading
-  std::string metric;      ///< e.g. cost, total_time, trace_rate
-  std::string method;      ///< PipelineSpec::label; empty where the rows are methods
-  std::string tracer;
-  std::string workload;
-  std::string relative_to;  ///< a method whose value of the same metric divides this one
-  std::string unit;         ///< shown unit; "%" multiplies a ratio by 100
+  std::string name;      ///< key, used by formulas and in the long CSV; unique in a table
+  std::string label;     ///< heading
+  std::string metric;    ///< a Quantity's name, e.g. cost, total_time, trace_rate; empty for a formula
+  std::string formula;   ///< e.g. "100 * cost_insertion / cost_sah", over columns before this one (formula.h); empty for a metric
+  std::string method;    ///< PipelineSpec::label; empty where the rows are methods
+  std::string tracer;    ///< TracerSpec::label, of a traced metric; else empty
+  std::string workload;  ///< WorkloadSpec::label, of a traced metric; else empty
+  std::string relative_to;  ///< a PipelineSpec::label whose value of the same metric divides this one
+  std::string unit;         ///< shown unit; the metric's own where YAML names none. "%" multiplies a ratio by 100
   int decimals = 2;
-  std::string published;    ///< key into the paper's published table, e.g. "table1.cost"
+  std::string published;  ///< key into the paper's published table, e.g. "table1.cost"
   SourceLocation where;
 };
 
 struct TableSpec {
   std::string name;
   std::string caption;
-  std::string rows;  ///< "scene" or "method"
+  std::string rows;                     ///< "scene" or "method"
   std::vector<std::string> row_filter;  ///< labels in the order shown; empty: all
-  std::string scene;                    ///< where the rows are methods: the scene
+  std::string scene;                    ///< where the rows are methods: the scene; empty: the table once for each scene
   std::vector<ColumnSpec> columns;
   SourceLocation where;
 };
 
-/// A picture: `kind` is heat-map, render, depth-histogram, line…; the report module reads `options`.
+/// A picture. `kind` is one of figure_kinds() (figure_kinds.h), whose options are all in `options`, completed with defaults.
 struct FigureSpec {
   std::string name;
-  std::string kind;
+  std::string kind;  ///< heat-map, render, depth-histogram, line
   std::string caption;
   std::map<std::string, std::string> options;
-  std::vector<std::string> methods;
-  std::vector<std::string> scenes;
+  std::vector<std::string> methods;    ///< PipelineSpec labels, one picture or curve each; all where YAML names none
+  std::vector<std::string> scenes;     ///< SceneSpec labels; all where YAML names none
+  std::vector<std::string> workloads;  ///< WorkloadSpec labels of a traced kind (heat-map); a picture sums over them
+  std::string tracer;                  ///< TracerSpec label of a traced kind
+  std::map<std::string, std::string>
+      styles;  ///< method label → "red dashed", "#2a9d3f solid": colour, then solid, dashed or dotted
   SourceLocation where;
 };
 
 /// A checked experiment: everything the YAML says, completed with defaults, every name resolved.
 struct Plan {
   std::string file;
-  std::string name;   ///< the file's name without extension
+  std::string name;  ///< the file's name without extension
   std::string title;
   std::string paper;  ///< results/published/<paper>.yaml; empty where nothing is published
   Scale scale = Scale::quick;

@@ -1,0 +1,38 @@
+#include "harness/spec/figure_kinds.h"
+
+namespace raystudy {
+
+const std::vector<FigureKind>& figure_kinds() {
+  static const std::vector<FigureKind> all{
+      {"heat-map",
+       "traversal steps per ray of every pixel, from blue through red, with a legend; a picture for each scene and method",
+       true,
+       true,
+       {real_param("lowest", 0, "steps shown in the first colour", 0, 1e6),
+        real_param("highest", 100, "steps shown in the last colour, and above it", 0, 1e6)}},
+      {"render", "a shaded picture of each scene, at the size of its workload", true, false, {}},
+      {"depth-histogram",
+       "sums of node surface areas at each depth, inner nodes on the left and leaves on the right; a curve for each method",
+       false,
+       true,
+       {}},
+      {"line",
+       "a quantity over another: a series over its own axis, or single numbers over the triangles of the scenes",
+       false,
+       true,
+       {text_param("y", "cost_over_time", "the quantity"),
+        choice_param("x", {"axis", "triangles"}, "the series' own axis, or the scenes' triangles"),
+        boolean_param("log_x", false, "logarithmic horizontal axis"),
+        boolean_param("log_y", false, "logarithmic vertical axis")}},
+  };
+  return all;
+}
+
+const FigureKind* find_figure_kind(std::string_view name) {
+  for (const FigureKind& kind : figure_kinds()) {
+    if (kind.name == name) return &kind;
+  }
+  return nullptr;
+}
+
+}  // namespace raystudy
