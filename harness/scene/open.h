@@ -16,7 +16,8 @@ class SceneNotInstalled : public Error {
 };
 
 /// Opens a scene by name: a procedural one (`triangles` and `seed` apply) or one of the catalog (scenes/catalog.yaml; its
-/// cameras, lights and materials are added). Throws Error with the nearest name, SceneNotInstalled, or what is wrong with the file.
+/// cameras, lights and materials are added). A name with a '/' is a file's path, read as it is. Throws Error with the nearest
+/// name, SceneNotInstalled, or what is wrong with the file.
 [[nodiscard]] Scene open_scene(std::string_view name, std::int64_t triangles = 0, std::uint64_t seed = 1);
 
 }  // namespace raystudy

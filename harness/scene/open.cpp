@@ -1,0 +1,60 @@
+#include "harness/scene/open.h"
+
+#include <fmt/format.h>
+
+#include "harness/scene/catalog.h"
+#include "harness/scene/procedural.h"
+#include "harness/scene/read.h"
+
+namespace raystudy {
+namespace {
+
+Scene open_entry(const CatalogEntry& entry) {
+  const CatalogFile* file = installed_file(entry);
+  if (file == nullptr) throw SceneNotInstalled(not_installed_text(entry));
+  const std::string path = find_file(*file)->string();
+  Scene scene = read_scene(path);
+  if (static_cast<std::int64_t>(scene.triangles.size()) != entry.triangles) {
+    throw Error(Diagnostic{{path, 0, 0},
+                           fmt::format("scene '{}' has {} triangles", entry.name, scene.triangles.size()),
+                           fmt::format("{}, as {} says", entry.triangles, entry.where.text()),
+                           {}});
+  }
+  scene.name = entry.name;
+  if (!entry.cameras.empty()) scene.cameras = entry.cameras;
+  if (!entry.lights.empty()) scene.lights = entry.lights;
+  if (entry.material) {
+    scene.materials = {*entry.material};
+    scene.triangle_materials = {};
+    finish_scene(scene, path);
+  }
+  return scene;
+}
+
+}  // namespace
+
+std::string not_installed_text(const CatalogEntry& entry) {
+  for (const CatalogFile& file : entry.files) {
+    if (!file.get.empty()) return fmt::format("scene not installed: raystudy scene get {}", entry.name);
+  }
+  return fmt::format("scene not installed: {}; {}", entry.name,
+                     entry.by_hand.empty()
+                         ? fmt::format("put the file at {} below a folder of RAYSTUDY_SCENES", entry.files.front().path)
+                         : entry.by_hand);
+}
+
+Scene open_scene(std::string_view name, std::int64_t triangles, std::uint64_t seed) {
+  if (name.find('/') != std::string_view::npos) return read_scene(name);
+  std::vector<std::string> known;
+  for (const ProceduralInfo& info : procedural_scenes()) {
+    if (info.name == name) return make_procedural(name, triangles, seed);
+    known.push_back(info.name);
+  }
+  const Catalog catalog = read_catalog(catalog_path());
+  if (const CatalogEntry* entry = catalog.find(name)) return open_entry(*entry);
+  for (const CatalogEntry& entry : catalog.entries) known.push_back(entry.name);
+  throw Error(Diagnostic{
+      {}, fmt::format("there is no scene '{}'", name), "a name that 'raystudy scene list' shows", nearest_name(name, known)});
+}
+
+}  // namespace raystudy
