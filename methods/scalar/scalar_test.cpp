@@ -1,0 +1,265 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "harness/accel/validate.h"
+#include "harness/geometry/watertight.h"
+#include "harness/method/registry.h"
+
+namespace raystudy {
+namespace {
+
+Scene soup(int triangles, float size, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> place(-1, 1);
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> list;
+  for (int t = 0; t < triangles; ++t) {
+    const Vec3 middle{place(random), place(random), place(random)};
+    for (int i = 0; i < 3; ++i) vertices.push_back(middle + size * Vec3{place(random), place(random), place(random)});
+    const auto v = static_cast<std::uint32_t>(3 * t);
+    list.push_back({{v, v + 1, v + 2}});
+  }
+  Scene scene;
+  scene.vertices = SharedArray<Vec3>(std::move(vertices));
+  scene.triangles = SharedArray<Triangle>(std::move(list));
+  finish_scene(scene, "soup");
+  return scene;
+}
+
+/// A valid tree of random shape: every split falls anywhere, whole runs of triangles may share a leaf.
+class RandomTree {
+ public:
+  RandomTree(const Scene& scene, std::uint32_t seed, std::uint32_t most_in_leaf)
+      : scene_(scene), random_(seed), most_(most_in_leaf) {
+    bvh.triangles.resize(scene.triangles.size());
+    std::iota(bvh.triangles.begin(), bvh.triangles.end(), 0U);
+    std::shuffle(bvh.triangles.begin(), bvh.triangles.end(), random_);
+    bvh.nodes.resize(2);
+    split(0, 0, static_cast<std::uint32_t>(bvh.triangles.size()));
+  }
+  Bvh2 bvh;
+
+ private:
+  void split(std::size_t node, std::uint32_t begin, std::uint32_t end) {
+    if (end - begin <= most_) {
+      Box box;
+      for (std::uint32_t i = begin; i < end; ++i) box.extend(scene_.triangle_box(bvh.triangles[i]));
+      bvh.nodes[node] = {box, begin, end - begin};
+      return;
+    }
+    const std::uint32_t middle = begin + 1 + static_cast<std::uint32_t>(random_() % (end - begin - 1));
+    const auto child = static_cast<std::uint32_t>(bvh.nodes.size());
+    bvh.nodes.resize(child + 2);
+    split(child, begin, middle);
+    split(child + 1, middle, end);
+    bvh.nodes[node] = {united(bvh.nodes[child].box, bvh.nodes[child + 1].box), child, 0};
+  }
+  const Scene& scene_;
+  std::mt19937 random_;
+  std::uint32_t most_;
+};
+
+std::vector<Hit> brute_force(const Scene& scene, std::span<const Ray> rays) {
+  std::vector<Hit> hits;
+  for (const Ray& ray : rays) {
+    Hit best;
+    best.t = ray.tmax;
+    const ShearedRay sheared(ray);
+    for (std::uint32_t t = 0; sheared.valid && t < scene.triangles.size(); ++t) {
+      const Triangle& v = scene.triangles[t];
+      TriangleHit found;
+      const PackedTriangle packed(scene.vertices[v[0]], scene.vertices[v[1]], scene.vertices[v[2]]);
+      if (intersect(sheared, packed, best.t, found) && (found.t < best.t || !best.is_hit()))
+        best = {found.t, t, found.u, found.v};
+    }
+    hits.push_back(best.is_hit() ? best : Hit{});
+  }
+  return hits;
+}
+
+std::vector<Ray> random_rays(int count, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> place(-1.2F, 1.2F);
+  std::vector<Ray> rays;
+  for (int i = 0; i < count; ++i) {
+    Ray ray;
+    ray.origin = {place(random), place(random), place(random)};
+    ray.direction = {place(random), place(random), place(random)};
+    if (i % 4 == 0) ray.direction[i % 3] = i % 8 == 0 ? 0.0F : -0.0F;
+    if (i % 16 == 0) ray.direction[(i + 1) % 3] = 0;
+    if (i % 5 == 0) ray.tmax = 0.5F;
+    if (i % 7 == 0) ray.tmin = 0.3F;
+    rays.push_back(ray);
+  }
+  return rays;
+}
+
+std::unique_ptr<TraceSession> prepare(const Bvh2& bvh, const Scene& scene, int threads) {
+  const auto tracer = Registry::instance().create<Tracer>(Registry::instance().ref(Role::tracer, "scalar"));
+  return tracer->prepare(bvh, scene, threads, false);
+}
+
+void expect_same(std::span<const Hit> expected, std::span<const Hit> found) {
+  ASSERT_EQ(expected.size(), found.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    ASSERT_EQ(expected[i].triangle, found[i].triangle) << "ray " << i;
+    ASSERT_EQ(expected[i].t, found[i].t) << "ray " << i;
+    ASSERT_EQ(expected[i].u, found[i].u) << "ray " << i;
+    ASSERT_EQ(expected[i].v, found[i].v) << "ray " << i;
+  }
+}
+
+TEST(Scalar, HitsDoNotDependOnTheTree) {
+  const Scene scene = soup(300, 0.3F, 1);
+  const std::vector<Ray> rays = random_rays(3000, 2);
+  const std::vector<Hit> expected = brute_force(scene, rays);
+  EXPECT_GT(std::count_if(expected.begin(), expected.end(), [](const Hit& h) { return h.is_hit(); }), 1000);
+  for (std::uint32_t seed = 0; seed < 6; ++seed) {
+    const RandomTree tree(scene, seed, seed % 3 == 0 ? 1 : 5);
+    ASSERT_TRUE(find_problems(tree.bvh, scene).empty());
+    for (const int threads : {1, 2}) {
+      const auto session = prepare(tree.bvh, scene, threads);
+      std::vector<Hit> hits(rays.size());
+      session->trace(rays, hits, Query::closest_hit);
+      expect_same(expected, hits);
+      session->trace(rays, hits, Query::any_hit);
+      for (std::size_t i = 0; i < hits.size(); ++i) ASSERT_EQ(expected[i].is_hit(), hits[i].is_hit()) << "ray " << i;
+    }
+  }
+}
+
+TEST(Scalar, EqualDistancesGoToTheLowestTriangle) {
+  Scene scene;
+  scene.vertices = SharedArray<Vec3>({{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}});
+  scene.triangles = SharedArray<Triangle>(std::vector<Triangle>(40, Triangle{{0, 1, 2}}));
+  finish_scene(scene, "forty times one triangle");
+  Ray ray;
+  ray.origin = {0, 0, -1};
+  ray.direction = {0, 0, 1};
+  for (std::uint32_t seed = 0; seed < 5; ++seed) {
+    const RandomTree tree(scene, seed, 2);
+    Hit hit;
+    prepare(tree.bvh, scene, 1)->trace({&ray, 1}, {&hit, 1}, Query::closest_hit);
+    EXPECT_EQ(hit.triangle, 0U);
+    EXPECT_EQ(hit.t, 1.0F);
+  }
+}
+
+TEST(Scalar, CountsByHand) {
+  // Two triangles side by side across x; the ray down the middle of the left one meets the root and the left leaf.
+  Scene scene;
+  scene.vertices = SharedArray<Vec3>({{-2, -1, 0}, {-1, -1, 0}, {-1.5F, 1, 0}, {1, -1, 0}, {2, -1, 0}, {1.5F, 1, 0}});
+  scene.triangles = SharedArray<Triangle>({{{0, 1, 2}}, {{3, 4, 5}}});
+  finish_scene(scene, "two triangles");
+  Bvh2 bvh;
+  bvh.triangles = {0, 1};
+  bvh.nodes.resize(4);
+  bvh.nodes[2] = {scene.triangle_box(0), 0, 1};
+  bvh.nodes[3] = {scene.triangle_box(1), 1, 1};
+  bvh.nodes[0] = {united(bvh.nodes[2].box, bvh.nodes[3].box), 2, 0};
+  const auto session = prepare(bvh, scene, 1);
+  std::vector<Ray> rays(3);
+  rays[0].origin = {-1.5F, 0, -1};  // hits the left triangle
+  rays[1].origin = {0, 0, -1};      // passes between them, inside the root
+  rays[2].origin = {5, 0, -1};      // misses the root
+  for (Ray& ray : rays) ray.direction = {0, 0, 1};
+  std::vector<std::uint32_t> steps(3);
+  const TraceCounts counts = session->count(rays, Query::closest_hit, steps);
+  EXPECT_EQ(steps, (std::vector<std::uint32_t>{2, 1, 0}));
+  EXPECT_EQ(counts.inner_nodes, 2U);
+  EXPECT_EQ(counts.leaves, 1U);
+  EXPECT_EQ(counts.triangle_tests, 1U);
+  EXPECT_EQ(counts.box_tests, 7U);  // three roots, two pairs
+  EXPECT_EQ(counts.traversal_steps(), 3U);
+}
+
+TEST(Scalar, CountsAreTheSameForAnyThreads) {
+  const Scene scene = soup(500, 0.2F, 3);
+  const RandomTree tree(scene, 1, 2);
+  const std::vector<Ray> rays = random_rays(5000, 5);
+  std::vector<std::uint32_t> one(rays.size());
+  std::vector<std::uint32_t> two(rays.size());
+  const TraceCounts a = prepare(tree.bvh, scene, 1)->count(rays, Query::closest_hit, one);
+  const TraceCounts b = prepare(tree.bvh, scene, 2)->count(rays, Query::closest_hit, two);
+  EXPECT_EQ(one, two);
+  EXPECT_EQ(a.triangle_tests, b.triangle_tests);
+  EXPECT_EQ(a.traversal_steps(), b.traversal_steps());
+  EXPECT_EQ(a.traversal_steps(), std::accumulate(one.begin(), one.end(), std::uint64_t{0}));
+}
+
+TEST(Scalar, TreeAsDeepAsItHasLeaves) {
+  constexpr std::uint32_t depth = 100000;
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;
+  for (std::uint32_t i = 0; i < depth; ++i) {
+    const auto z = static_cast<float>(i);
+    vertices.insert(vertices.end(), {{-1, -1, z}, {1, -1, z}, {0, 1, z}});
+    triangles.push_back({{3 * i, 3 * i + 1, 3 * i + 2}});
+  }
+  Scene scene;
+  scene.vertices = SharedArray<Vec3>(std::move(vertices));
+  scene.triangles = SharedArray<Triangle>(std::move(triangles));
+  finish_scene(scene, "a stack of triangles");
+  // Each inner node has one leaf and the rest: the leaf of triangle i is at depth i + 1, farthest triangles on top.
+  Bvh2 bvh;
+  bvh.triangles.resize(depth);
+  std::iota(bvh.triangles.begin(), bvh.triangles.end(), 0U);
+  bvh.nodes.resize(2 * std::size_t{depth});
+  Box box;
+  std::uint32_t next = 2;
+  std::uint32_t slot = 0;
+  std::vector<std::uint32_t> inner;
+  for (std::uint32_t i = depth; i-- > 1;) {
+    inner.push_back(slot);
+    bvh.nodes[slot] = {{}, next, 0};
+    bvh.nodes[next + 1] = {scene.triangle_box(i), i, 1};
+    slot = next;
+    next += 2;
+  }
+  bvh.nodes[slot] = {scene.triangle_box(0), 0, 1};
+  for (std::size_t i = inner.size(); i-- > 0;) {
+    Bvh2Node& node = bvh.nodes[inner[i]];
+    node.box = united(bvh.nodes[node.first].box, bvh.nodes[node.first + 1].box);
+  }
+  ASSERT_TRUE(find_problems(bvh, scene).empty());
+  Ray ray;
+  ray.origin = {0, 0, -1};
+  ray.direction = {0, 0, 1};
+  Hit hit;
+  prepare(bvh, scene, 1)->trace({&ray, 1}, {&hit, 1}, Query::closest_hit);
+  EXPECT_EQ(hit.triangle, 0U);
+  ray.origin.z = static_cast<float>(depth);
+  ray.direction.z = -1;
+  prepare(bvh, scene, 1)->trace({&ray, 1}, {&hit, 1}, Query::closest_hit);
+  EXPECT_EQ(hit.triangle, depth - 1);
+}
+
+TEST(Scalar, EmptyTreeAndInvalidRaysHitNothing) {
+  const Scene scene = soup(10, 1, 1);
+  const RandomTree tree(scene, 1, 2);
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  std::vector<Ray> rays(6);
+  for (Ray& ray : rays) ray = {{0, 0, -3}, 0, {0, 0, 1}, infinity};
+  rays[0].direction = {0, 0, 0};
+  rays[1].direction = {0, nan, 1};
+  rays[2].origin = {infinity, 0, 0};
+  rays[3].tmin = -1;
+  rays[4].tmax = nan;
+  rays[5] = {{0, 0, 0}, 2, {0, 0, 1}, 1};
+  for (const Query query : {Query::closest_hit, Query::any_hit}) {
+    std::vector<Hit> hits(rays.size(), Hit{1, 1, 1, 1});
+    prepare(tree.bvh, scene, 1)->trace(rays, hits, query);
+    for (const Hit& hit : hits) EXPECT_FALSE(hit.is_hit());
+    const Bvh2 empty;
+    hits.assign(rays.size(), Hit{1, 1, 1, 1});
+    prepare(empty, scene, 1)->trace(rays, hits, query);
+    for (const Hit& hit : hits) EXPECT_FALSE(hit.is_hit());
+  }
+}
+
+}  // namespace
+}  // namespace raystudy
