@@ -42,12 +42,10 @@ enum class CellStatus : unsigned char { done, failed, missing };
 
 /// One cell's immutable result: results/<experiment>/<id>.json.
 ///
-/// Names of `values`, beside those of the experiment's metrics. Of a build cell: `triangles`; `build_time`, `optimize_time` (the
-/// sum over optimizers; `optimize_time:NAME` for each where there are several), `encode_time`, `total_time` in s, of the stages
-/// that the pipeline has; `build_peak_memory` in B. Of a trace cell: `rays`, `hits`; where the tracer counts `steps_per_ray`,
-/// `tests_per_ray`, `inner_nodes_per_ray`, `leaves_per_ray`, `box_tests_per_ray`; `trace_time` in s, `trace_rate` in Mray/s. Of
-/// both: `cpu_time` in s and `iterations` (how many times the work was repeated within each sample). Of `series`:
-/// `cost_over_time` where an optimizer records it, and the metrics' own.
+/// Names of `values` and `series` are the quantities of harness/spec/quantity.h: the harness's own and those of the experiment's
+/// metrics. A stage that the pipeline does not have gives no time, a tracer that cannot count gives no counts. Beside them stand
+/// `optimize_time:NAME` for each of several optimizers, `cpu_time` (s, of all threads, in one iteration) and `iterations` (how
+/// many times the work was repeated within each sample).
 struct CellResult {
   std::string id;          ///< hash of everything that can change the numbers (Cell::id)
   std::string experiment;  ///< the YAML's file name without extension

@@ -6,6 +6,7 @@ namespace raystudy {
 
 const std::vector<Quantity>& harness_quantities() {
   static const std::vector<Quantity> all{
+      {"triangles", "1", "triangles of the scene"},
       {"build_time", "s", "time of the builder"},
       {"optimize_time", "s", "time of all optimizers together"},
       {"encode_time", "s", "time of the encoder"},
@@ -15,6 +16,8 @@ const std::vector<Quantity>& harness_quantities() {
       {"trace_time", "s", "time to trace the whole workload", true},
       {"trace_rate", "rays/s", "rays traced in a second", true},
       {"steps_per_ray", "1", "traversal steps a ray, inner nodes and leaves", true},
+      {"inner_nodes_per_ray", "1", "inner nodes visited a ray", true},
+      {"leaves_per_ray", "1", "leaves visited a ray", true},
       {"box_tests_per_ray", "1", "boxes tested a ray", true},
       {"triangle_tests_per_ray", "1", "triangles tested a ray", true},
       {"hit_share", "1", "share of the rays that hit something", true},

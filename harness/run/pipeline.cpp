@@ -1,0 +1,94 @@
+#include "harness/run/pipeline.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+
+#include "harness/base/error.h"
+#include "harness/method/registry.h"
+
+namespace raystudy {
+namespace {
+
+class Stopwatch {
+ public:
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+Bvh2& as_bvh2(Accel& accel, const std::string& label, std::string_view taker) {
+  if (auto* bvh = dynamic_cast<Bvh2*>(&accel)) return *bvh;
+  throw Error(fmt::format("'{}': {} takes a bvh2, the stage before it made '{}'", label, taker, accel.kind()));
+}
+
+}  // namespace
+
+double StageTimes::optimize_sum() const { return std::accumulate(optimize.begin(), optimize.end(), 0.0); }
+
+Pipeline::Pipeline(const PipelineSpec& spec) : label_(spec.label) {
+  const Registry& registry = Registry::instance();
+  builder_ = registry.create<Builder>(spec.builder);
+  for (const MethodRef& ref : spec.optimizers) {
+    const auto uses = 1 + std::count_if(spec.optimizers.data(), &ref, [&ref](const MethodRef& r) { return r.name == ref.name; });
+    optimizer_names_.push_back(uses == 1 ? ref.name : fmt::format("{}#{}", ref.name, uses));
+    optimizers_.push_back(registry.create<Optimizer>(ref));
+  }
+  if (spec.encoder) encoder_ = registry.create<Encoder>(*spec.encoder);
+}
+
+std::unique_ptr<Accel> Pipeline::run(const Scene& scene, const BuildContext& context, StageTimes& times,
+                                     const OnStage& on_stage) const {
+  const auto enter = [&on_stage](std::string_view stage) {
+    if (on_stage) on_stage(stage);
+  };
+  times.optimize.assign(optimizers_.size(), 0);
+  enter("building");
+  const Stopwatch build_watch;
+  std::unique_ptr<Accel> accel = builder_->build(scene, context);
+  times.build = build_watch.seconds();
+  if (!accel) throw Error(fmt::format("'{}': its builder made nothing", label_));
+  double before = 0;
+  for (std::size_t i = 0; i < optimizers_.size(); ++i) {
+    enter(fmt::format("optimizing ({})", optimizer_names_[i]));
+    Bvh2& bvh = as_bvh2(*accel, label_, fmt::format("optimizer '{}'", optimizer_names_[i]));
+    std::vector<CostSample> trace;
+    BuildContext own = context;
+    if (context.cost_trace != nullptr) own.cost_trace = &trace;
+    const Stopwatch watch;
+    optimizers_[i]->optimize(bvh, scene, own);
+    times.optimize[i] = watch.seconds();
+    for (const CostSample& sample : trace) context.cost_trace->push_back({before + sample.seconds, sample.cost});
+    before += times.optimize[i];
+  }
+  if (encoder_) {
+    enter("encoding");
+    const Bvh2& bvh = as_bvh2(*accel, label_, "its encoder");
+    const Stopwatch watch;
+    std::unique_ptr<Accel> encoded = encoder_->encode(bvh, scene, context);
+    times.encode = watch.seconds();
+    if (!encoded) throw Error(fmt::format("'{}': its encoder made nothing", label_));
+    accel = std::move(encoded);
+  }
+  return accel;
+}
+
+CostModel make_cost_model(const CostSpec& spec, const Scene& scene, int threads, std::uint64_t seed) {
+  CostModel model;
+  model.traversal = static_cast<float>(spec.traversal);
+  model.intersection = static_cast<float>(spec.intersection);
+  if (!spec.heuristic.name.empty()) {
+    BuildContext context;
+    context.threads = threads;
+    context.seed = seed;
+    model.measure = Registry::instance().create<Heuristic>(spec.heuristic)->prepare(scene, context);
+  }
+  return model;
+}
+
+}  // namespace raystudy
