@@ -8,6 +8,8 @@ target_compile_options(raystudy_flags INTERFACE
   # differently and rays slip through, and costs differ between processors.
   -ffp-contract=off
   -fno-math-errno -fno-semantic-interposition)
+# SIMD (Highway) for the instruction set that the rest is compiled for; no choice at run time.
+target_compile_definitions(raystudy_flags INTERFACE HWY_COMPILE_ONLY_STATIC)
 if(RAYSTUDY_NATIVE)
   target_compile_options(raystudy_flags INTERFACE -march=native)
 endif()

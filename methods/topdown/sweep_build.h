@@ -1,0 +1,225 @@
+#pragma once
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_invoke.h>
+#include <oneapi/tbb/task_group.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "harness/method/method.h"
+#include "methods/topdown/sweep_orders.h"
+#include "methods/topdown/sweep_scan.h"
+#include "methods/topdown/top_down.h"
+
+namespace raystudy::topdown {
+
+/// A sweep build over triangles that were sorted once per order: each node evaluates every split of every order in O(n) and
+/// divides all the orders stably in O(n), so that a level of the tree takes O(N) (Wald and Havran 2006, Sec. 4.3, without
+/// splitting of triangles). `M` is SurfaceArea or AnyMeasure.
+template <class M>
+class SweepBuild {
+ public:
+  SweepBuild(const M& measure, const LeafPolicy& leaves, SweepOrders& orders, Bvh2& bvh, int threads)
+      : measure_(measure), leaves_(leaves), orders_(orders), bvh_(bvh), threads_(threads) {}
+
+  /// Fills nodes (to be compacted where leaves hold more than one) and triangles of a tree over one triangle at least.
+  void run() {
+    const auto n = static_cast<std::uint32_t>(orders_.records.size());
+    bvh_.nodes.resize(std::size_t{2} * n);
+    bvh_.triangles.resize(n);
+    View view{orders_.records.data(), {}, nullptr, 0};
+    for (const auto& list : orders_.lists) view.lists.push_back(list.get());
+    const auto sides = std::make_unique_for_overwrite<std::uint8_t[]>(n);
+    view.sides = sides.get();
+    tbb::task_group tasks;
+    tasks.run_and_wait([&] { build_large({0, 2, 0, n}, view, tasks); });
+  }
+
+ private:
+  /// Triangles and their orders, from `origin` in the final order of triangles. `lists` hold indices into `records` and `sides`.
+  struct View {
+    const BoxRecord* records;
+    std::vector<std::uint32_t*> lists;
+    std::uint8_t* sides;  ///< of each record while a node is divided: 1 if it goes right
+    std::uint32_t origin;
+  };
+
+  struct Split {
+    float cost = std::numeric_limits<float>::infinity();
+    std::uint32_t left = 0;  ///< triangles of the left child; 0: the node is a leaf
+    int order = 0;
+  };
+
+  /// Room for the measures and for the division of one node.
+  class Scratch {
+   public:
+    explicit Scratch(std::size_t n)
+        : measures_(std::make_unique_for_overwrite<float[]>(n + 2 * measures_slack)),
+          indices_(std::make_unique_for_overwrite<std::uint32_t[]>(n)) {}
+    [[nodiscard]] float* measures() { return measures_.get() + measures_slack; }
+    [[nodiscard]] std::uint32_t* indices() { return indices_.get(); }
+
+   private:
+    std::unique_ptr<float[]> measures_;
+    std::unique_ptr<std::uint32_t[]> indices_;
+  };
+
+  static constexpr std::uint32_t large = 16384;  ///< smaller subtrees are one task
+
+  /// Splits nodes while they are large, and gives the smaller child of each away as a task. No recursion: a tree may be as deep
+  /// as it has triangles.
+  void build_large(Subtree s, const View& view, tbb::task_group& tasks) {
+    while (s.count > large) {
+      const Split split = find_split(s, view);
+      if (split.left == 0) return;
+      divide(s, view, split);
+      Subtree mine = s.left(split.left);
+      Subtree other = s.right(split.left);
+      if (other.count > mine.count) std::swap(mine, other);
+      tasks.run([this, other, &view, &tasks] { build_large(other, view, tasks); });
+      s = mine;
+    }
+    build_small(s, view);
+  }
+
+  void build_small(Subtree top, const View& view) {
+    Scratch scratch(top.count);
+    std::vector<Subtree> stack{top};
+    while (!stack.empty()) {
+      const Subtree s = stack.back();
+      stack.pop_back();
+      if (s.count == 1) {
+        make_leaf(s, view);
+        continue;
+      }
+      const Split split = find_split(s, view, scratch);
+      if (split.left == 0) continue;
+      divide(s, view, split, scratch);
+      stack.push_back(s.right(split.left));
+      stack.push_back(s.left(split.left));
+    }
+  }
+
+  [[nodiscard]] OrderedBoxes ordered(const Subtree& s, const View& view, int order) const {
+    return {view.records, view.lists[static_cast<std::size_t>(order)] + (s.begin - view.origin), s.count};
+  }
+
+  void make_leaf(const Subtree& s, const View& view) {
+    const OrderedBoxes boxes = ordered(s, view, 0);
+    WideBox box = WideBox::empty();
+    for (std::uint32_t i = 0; i < s.count; ++i) {
+      box = united(box, boxes[i]);
+      bvh_.triangles[s.begin + i] = boxes.records[boxes.list[i]].triangle;
+    }
+    bvh_.nodes[s.node] = {box.box(), s.begin, s.count};
+  }
+
+  /// The best split of one order, and, with `order` 0, the node's box.
+  Split best_of_order(const Subtree& s, const View& view, int order, Scratch& scratch, Box* box) {
+    const OrderedBoxes boxes = ordered(s, view, order);
+    float* measures = scratch.measures();
+    const WideBox all = suffix_measures(measure_, boxes, measures);
+    if (order == 0) *box = all.box();
+    Split split{split_costs(measure_, boxes, measures), 0, order};
+    if (split.cost < std::numeric_limits<float>::infinity()) split.left = most_balanced(measures, s.count, split.cost);
+    return split;
+  }
+
+  Split find_split(const Subtree& s, const View& view, Scratch& scratch) {
+    Box box;
+    Split best;
+    for (int order = 0; order < orders_.count(); ++order) {
+      const Split split = best_of_order(s, view, order, scratch, &box);
+      if (split.cost < best.cost) best = split;
+    }
+    return decide(s, view, box, best);
+  }
+
+  Split find_split(const Subtree& s, const View& view) {
+    Box box;
+    std::vector<Split> splits(view.lists.size());
+    for_each_order([&](int order) {
+      Scratch scratch(s.count);
+      splits[static_cast<std::size_t>(order)] = best_of_order(s, view, order, scratch, &box);
+    });
+    Split best;
+    for (const Split& split : splits) {
+      if (split.cost < best.cost) best = split;
+    }
+    return decide(s, view, box, best);
+  }
+
+  /// Makes `s` a leaf (and returns a split with left == 0) or an inner node.
+  Split decide(const Subtree& s, const View& view, const Box& box, Split best) {
+    const float m = measure_(box);
+    if (leaves_.is_leaf(s.count, m, best.cost)) {
+      make_leaf(s, view);
+      return {};
+    }
+    // All boxes in one line, or too large for their areas to be numbers: the measure says nothing, but order along the longest
+    // axis still does.
+    if (best.left == 0 || !(m > 0)) best = {best.cost, s.count / 2, orders_.first_of_axis(box.longest_axis())};
+    bvh_.nodes[s.node] = {box, s.pairs, 0};
+    return best;
+  }
+
+  /// Divides every order of `s` at the split. The order that was split is divided already.
+  void divide(const Subtree& s, const View& view, const Split& split, Scratch& scratch) {
+    mark_sides(s, view, split);
+    for (int order = 0; order < orders_.count(); ++order) {
+      if (order != split.order) divide_order(s, view, order, scratch.indices());
+    }
+  }
+
+  void divide(const Subtree& s, const View& view, const Split& split) {
+    mark_sides(s, view, split);
+    for_each_order([&](int order) {
+      if (order == split.order) return;
+      const auto indices = std::make_unique_for_overwrite<std::uint32_t[]>(s.count);
+      divide_order(s, view, order, indices.get());
+    });
+  }
+
+  void mark_sides(const Subtree& s, const View& view, const Split& split) {
+    const std::uint32_t* list = ordered(s, view, split.order).list;
+    for (std::uint32_t i = 0; i < split.left; ++i) view.sides[list[i]] = 0;
+    for (std::uint32_t i = split.left; i < s.count; ++i) view.sides[list[i]] = 1;
+  }
+
+  void divide_order(const Subtree& s, const View& view, int order, std::uint32_t* right) {
+    std::uint32_t* list = view.lists[static_cast<std::size_t>(order)] + (s.begin - view.origin);
+    std::uint32_t lefts = 0;
+    std::uint32_t rights = 0;
+    for (std::uint32_t i = 0; i < s.count; ++i) {  // without a branch: both are written, one is kept
+      const std::uint32_t index = list[i];
+      const std::uint32_t side = view.sides[index];
+      list[lefts] = index;
+      right[rights] = index;
+      lefts += 1 - side;
+      rights += side;
+    }
+    std::copy_n(right, rights, list + lefts);
+  }
+
+  template <class F>
+  void for_each_order(F&& f) {
+    if (threads_ == 1) {
+      for (int order = 0; order < orders_.count(); ++order) f(order);
+    } else {
+      tbb::parallel_for(0, orders_.count(), f, tbb::simple_partitioner());
+    }
+  }
+
+  const M& measure_;
+  LeafPolicy leaves_;
+  SweepOrders& orders_;
+  Bvh2& bvh_;
+  int threads_;
+};
+
+}  // namespace raystudy::topdown
