@@ -18,6 +18,18 @@ std::string described(const ParamValue& value) {
   return fmt::format("the method '{}'", std::get<MethodRef>(value).name);
 }
 
+[[noreturn]] void refuse(const ParamSpec& spec, const ParamValue& value, std::string nearest = {}) {
+  throw Error(
+      Diagnostic{{}, fmt::format("parameter '{}' is {}", spec.name, described(value)), expected_text(spec), std::move(nearest)});
+}
+
+void require_in_range(const ParamSpec& spec, double number, const ParamValue& value) {
+  const bool low = spec.lowest_is_open ? number > spec.lowest : number >= spec.lowest;
+  if (!low || !(number <= spec.highest)) refuse(spec, value);  // also refuses NaN
+}
+
+}  // namespace
+
 std::string expected_text(const ParamSpec& spec) {
   const auto range = [&spec](std::string_view what) {
     if (std::isinf(spec.lowest) && std::isinf(spec.highest)) return std::string(what);
@@ -34,18 +46,6 @@ std::string expected_text(const ParamSpec& spec) {
   }
   throw std::logic_error("expected_text: no such type");
 }
-
-[[noreturn]] void refuse(const ParamSpec& spec, const ParamValue& value, std::string nearest = {}) {
-  throw Error(
-      Diagnostic{{}, fmt::format("parameter '{}' is {}", spec.name, described(value)), expected_text(spec), std::move(nearest)});
-}
-
-void require_in_range(const ParamSpec& spec, double number, const ParamValue& value) {
-  const bool low = spec.lowest_is_open ? number > spec.lowest : number >= spec.lowest;
-  if (!low || !(number <= spec.highest)) refuse(spec, value);  // also refuses NaN
-}
-
-}  // namespace
 
 ParamValue checked(const ParamSpec& spec, const ParamValue& value) {
   switch (spec.type) {

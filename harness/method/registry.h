@@ -68,6 +68,9 @@ struct Registration {
   }
 };
 
+/// What a parameter takes, in words: "an integer in [2, 256]", "one of low, high".
+[[nodiscard]] std::string expected_text(const ParamSpec& spec);
+
 /// Checks `value` against `spec`: type (an integer passes for a real), range, choice. Returns the value in its declared type.
 /// Throws Error whose message names the parameter, what was found and what is expected.
 [[nodiscard]] ParamValue checked(const ParamSpec& spec, const ParamValue& value);
