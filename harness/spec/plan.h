@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/base/error.h"
@@ -16,8 +17,9 @@ enum class Scale : unsigned char { quick, full, paper };
 
 /// A scene of the matrix: a catalog name, or a procedural generator with its parameters.
 struct SceneSpec {
-  std::string label;           ///< the row's name in tables; unique in an experiment
-  std::string name;            ///< in the catalog, or of a generator
+  std::string label;           ///< the row's name in tables, with its sweep point; unique in an experiment
+  std::string base;            ///< the label without the sweep point
+  std::string name;            ///< in the catalog, of a generator, or a file's path (with a '/')
   std::int64_t triangles = 0;  ///< of a generator
   std::uint64_t seed = 1;      ///< of a generator
   SourceLocation where;
@@ -36,13 +38,15 @@ struct PipelineSpec {
 };
 
 struct TracerSpec {
-  std::string label;
+  std::string label;  ///< with its sweep point; unique
+  std::string base;   ///< the label without it
   MethodRef tracer;
   SourceLocation where;
 };
 
 struct WorkloadSpec {
-  std::string label;
+  std::string label;  ///< with its sweep point; unique
+  std::string base;   ///< the label without it
   MethodRef workload;
   SourceLocation where;
 };
@@ -127,7 +131,14 @@ struct Plan {
   std::vector<FigureSpec> figures;
 };
 
+/// "quick", "full", "paper".
+[[nodiscard]] std::string_view scale_name(Scale scale);
+
 /// Reads and checks an experiment. Throws one Error with all of the file's diagnostics, each with line and column.
 [[nodiscard]] Plan read_plan(const std::string& file, Scale scale);
+/// The same for text already read; `file` is the name that diagnostics show and that the plan is named after.
+[[nodiscard]] Plan parse_plan(const std::string& text, const std::string& file, Scale scale);
+/// Reads a file at every scale. Throws one Error with what is wrong at any of them.
+void check_plan(const std::string& file);
 
 }  // namespace raystudy

@@ -3,6 +3,32 @@
 #include "harness/method/registry.h"
 
 namespace raystudy {
+namespace {
+
+struct Unit {
+  std::string_view name;
+  double factor = 0;  ///< in the family's base unit
+};
+
+/// Units of one dimension.
+struct UnitFamily {
+  std::vector<Unit> units;
+  [[nodiscard]] double factor_of(std::string_view name) const {
+    for (const Unit& unit : units) {
+      if (unit.name == name) return unit.factor;
+    }
+    return 0;
+  }
+};
+
+const std::vector<UnitFamily> unit_families{
+    {{{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"min", 60}, {"h", 3600}}},
+    {{{"bytes", 1}, {"KiB", 1024}, {"MiB", 1048576}, {"GiB", 1073741824}}},
+    {{{"rays/s", 1}, {"krays/s", 1e3}, {"Mrays/s", 1e6}, {"Grays/s", 1e9}}},
+    {{{"", 1}, {"%", 0.01}, {"k", 1e3}, {"M", 1e6}}},
+};
+
+}  // namespace
 
 const std::vector<Quantity>& harness_quantities() {
   static const std::vector<Quantity> all{
@@ -12,29 +38,48 @@ const std::vector<Quantity>& harness_quantities() {
       {"encode_time", "s", "time of the encoder"},
       {"total_time", "s", "time of all stages: builder, optimizers, encoder"},
       {"peak_memory", "bytes", "most memory in use while building, over what the scene itself takes"},
-      {"cost_over_time", "1", "cost of the tree while it is optimized, from the end of the builder", false, "seconds"},
+      {"cost_over_time", "", "cost of the tree while it is optimized, from the end of the builder", false, "seconds"},
       {"trace_time", "s", "time to trace the whole workload", true},
       {"trace_rate", "rays/s", "rays traced in a second", true},
-      {"steps_per_ray", "1", "traversal steps a ray, inner nodes and leaves", true},
-      {"inner_nodes_per_ray", "1", "inner nodes visited a ray", true},
-      {"leaves_per_ray", "1", "leaves visited a ray", true},
-      {"box_tests_per_ray", "1", "boxes tested a ray", true},
-      {"triangle_tests_per_ray", "1", "triangles tested a ray", true},
-      {"hit_share", "1", "share of the rays that hit something", true},
-      {"ray_count", "1", "rays of the workload", true},
+      {"steps_per_ray", "", "traversal steps a ray, inner nodes and leaves", true},
+      {"inner_nodes_per_ray", "", "inner nodes visited a ray", true},
+      {"leaves_per_ray", "", "leaves visited a ray", true},
+      {"box_tests_per_ray", "", "boxes tested a ray", true},
+      {"triangle_tests_per_ray", "", "triangles tested a ray", true},
+      {"hit_share", "", "share of the rays that hit something", true},
+      {"ray_count", "", "rays of the workload", true},
   };
   return all;
 }
 
-std::vector<Quantity> known_quantities() {
-  std::vector<Quantity> all = harness_quantities();
-  for (const Registry::Entry* entry : Registry::instance().entries()) {
-    if (entry->role != Role::metric) continue;
-    for (const MetricValueInfo& value : entry->info.values) {
-      all.push_back({value.name, value.unit, value.summary.empty() ? entry->info.summary : value.summary, false, value.axis});
-    }
+std::vector<Quantity> metric_quantities(std::string_view metric) {
+  const MethodInfo& info = Registry::instance().get(Role::metric, metric).info;
+  std::vector<Quantity> all;
+  for (const MetricValueInfo& value : info.values) {
+    all.push_back({value.name, value.unit, value.summary.empty() ? info.summary : value.summary, false, value.axis});
   }
   return all;
+}
+
+std::optional<double> unit_factor(std::string_view from, std::string_view to) {
+  if (from == to) return 1;
+  for (const UnitFamily& family : unit_families) {
+    const double source = family.factor_of(from);
+    const double target = family.factor_of(to);
+    if (source > 0 && target > 0) return source / target;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> units_for(std::string_view from) {
+  std::vector<std::string> names{std::string(from)};
+  for (const UnitFamily& family : unit_families) {
+    if (family.factor_of(from) == 0) continue;
+    for (const Unit& unit : family.units) {
+      if (unit.name != from && !unit.name.empty()) names.emplace_back(unit.name);
+    }
+  }
+  return names;
 }
 
 }  // namespace raystudy

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,7 +10,7 @@ namespace raystudy {
 /// A named figure that a cell's result can hold: what a table's column or a line figure may ask for.
 struct Quantity {
   std::string name;     ///< key in CellResult::values or ::series
-  std::string unit;     ///< "s", "bytes", "rays/s", "1" for a pure number
+  std::string unit;     ///< "s", "bytes", "rays/s"; empty for a pure number
   std::string summary;  ///< one line
   bool traced = false;  ///< belongs to a cell with tracer and workload; else to the build
   std::string axis{};   ///< what a series runs over, e.g. "depth"; empty for a single number
@@ -17,7 +18,13 @@ struct Quantity {
 
 /// What the harness itself measures: stage times, peak memory, rays a second, the cost while optimizing.
 [[nodiscard]] const std::vector<Quantity>& harness_quantities();
-/// Those, and the ones every registered Metric says it gives (MethodInfo::values).
-[[nodiscard]] std::vector<Quantity> known_quantities();
+/// What a registered Metric says it gives (MethodInfo::values). Throws Error for an unknown name.
+[[nodiscard]] std::vector<Quantity> metric_quantities(std::string_view metric);
+
+/// What a number in unit `from` is multiplied by to be shown in unit `to`: s → ms, bytes → MiB, rays/s → Mrays/s, a pure number →
+/// %. Nothing where one is not the other.
+[[nodiscard]] std::optional<double> unit_factor(std::string_view from, std::string_view to);
+/// Every unit that `from` can be shown in, itself first.
+[[nodiscard]] std::vector<std::string> units_for(std::string_view from);
 
 }  // namespace raystudy

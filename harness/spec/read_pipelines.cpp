@@ -31,6 +31,7 @@ class PipelineReader {
 
   void read() {
     for (const YamlEntry& entry : node_.entries) {
+      check_label(reading_, entry.where, entry.key);
       const Draft& draft = this->draft(entry);
       if (draft.good) expand(entry, draft);
     }

@@ -199,6 +199,14 @@ std::optional<ParamValue> read_scalar(Reading& reading, const YamlNode& node, co
   return std::nullopt;
 }
 
+void check_label(Reading& reading, const SourceLocation& where, const std::string& label) {
+  const auto refused = [](char c) {
+    return std::string_view("/[],").find(c) != std::string_view::npos || (static_cast<unsigned char>(c) < 0x20);
+  };
+  if (!label.empty() && std::none_of(label.begin(), label.end(), refused)) return;
+  reading.report(where, fmt::format("the name '{}' cannot be used", label), "at least one letter, and none of / [ ] ,");
+}
+
 std::string label_text(const ParamValue& value) {
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
   if (const auto* integer = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *integer);

@@ -64,6 +64,10 @@ class Fields {
 [[nodiscard]] std::optional<ParamValue> read_scalar(Reading& reading, const YamlNode& node, const ParamSpec& spec,
                                                     const std::string& what);
 
+/// Reports a label that paths of cells, files or the command line could not hold: an empty one, or one with any of / [ ] , or
+/// control letters.
+void check_label(Reading& reading, const SourceLocation& where, const std::string& label);
+
 /// A value as it stands in labels: the shortest text that reads back; a method's name.
 [[nodiscard]] std::string label_text(const ParamValue& value);
 

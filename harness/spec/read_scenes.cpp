@@ -1,0 +1,133 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "harness/scene/catalog.h"
+#include "harness/scene/procedural.h"
+#include "harness/spec/read_method.h"
+#include "harness/spec/read_sections.h"
+
+namespace raystudy {
+namespace {
+
+class SceneReader {
+ public:
+  SceneReader(Reading& reading, Plan& plan) : reading_(reading), plan_(plan), known_(known_scene_names()) {}
+
+  void read(const YamlNode& written) {
+    const YamlNode& node = reading_.at_scale(written);
+    if (node.is_scalar()) {
+      read_scene_spec(node.text, node.where, nullptr);
+    } else if (node.is_map() && node.entries.size() == 1) {
+      const YamlEntry& entry = node.entries.front();
+      read_scene_spec(entry.key, entry.where, entry.value.get());
+    } else {
+      const std::string found = node.is_map() ? fmt::format("a map of {} keys", node.entries.size()) : described(node);
+      reading_.report(node.where, fmt::format("a scene is {}", found), "NAME or 'NAME: {triangles, seed, label}'");
+    }
+  }
+
+ private:
+  [[nodiscard]] static bool is_generator(const std::string& name) {
+    const auto& all = procedural_scenes();
+    return std::any_of(all.begin(), all.end(), [&name](const ProceduralInfo& info) { return info.name == name; });
+  }
+
+  void read_scene_spec(const std::string& name, const SourceLocation& where, const YamlNode* options) {
+    const bool is_file = name.find('/') != std::string::npos;
+    if (!is_file && std::find(known_.begin(), known_.end(), name) == known_.end()) {
+      reading_.report(where, fmt::format("there is no scene '{}'", name), "a name that 'raystudy list scenes' shows",
+                      nearest_name(name, known_));
+      return;
+    }
+    SceneSpec scene;
+    scene.name = name;
+    scene.base = is_file ? std::filesystem::path(name).stem().string() : name;
+    scene.where = where;
+    const bool generated = is_generator(name);
+    std::vector<std::int64_t> counts{0};
+    if (options != nullptr && !options->is_null()) {
+      Fields fields(reading_, *options, fmt::format("scene '{}'", name));
+      scene.base = fields.text("label", scene.base);
+      if (generated) {
+        scene.seed =
+            static_cast<std::uint64_t>(std::get<std::int64_t>(fields.value(integer_param("seed", 1, "", 0, 9007199254740992.0))));
+        counts = read_counts(fields, scene);
+      }
+      fields.finish();
+    } else if (generated) {
+      report_no_count(where, name);
+      return;
+    }
+    for (const std::int64_t count : counts) {
+      scene.triangles = count;
+      scene.label = counts.size() == 1 ? scene.base : fmt::format("{}[triangles={}]", scene.base, count);
+      add(scene);
+    }
+  }
+
+  void report_no_count(const SourceLocation& where, const std::string& name) {
+    reading_.report(where, fmt::format("scene '{}' is made to measure and has no triangle count", name),
+                    fmt::format("a count, such as '{}: {{triangles: 100000}}'", name));
+  }
+
+  /// The triangle counts of a generator: one, or those of a list. Empty where they are wrong.
+  std::vector<std::int64_t> read_counts(Fields& fields, const SceneSpec& scene) {
+    const YamlNode* node = fields.find("triangles");
+    if (node == nullptr) {
+      if (fields.is_map()) report_no_count(scene.where, scene.name);
+      return {};
+    }
+    const ParamSpec spec = integer_param("triangles", 0, "", static_cast<double>(procedural_triangles_min),
+                                         static_cast<double>(procedural_triangles_max));
+    std::vector<const YamlNode*> values{node};
+    if (node->is_list()) {
+      values.clear();
+      for (const auto& item : node->items) values.push_back(item.get());
+      if (values.empty()) reading_.report(node->where, "'triangles' sweeps over an empty list", "at least one value");
+    }
+    std::vector<std::int64_t> counts;
+    for (const YamlNode* value : values) {
+      const auto count = read_scalar(reading_, reading_.at_scale(*value), spec, "'triangles'");
+      if (count) counts.push_back(std::get<std::int64_t>(*count));
+    }
+    return counts;
+  }
+
+  void add(const SceneSpec& scene) {
+    check_label(reading_, scene.where, scene.base);
+    if (const auto other = index_of(plan_.scenes, scene.label)) {
+      reading_.report(scene.where, fmt::format("two scenes are called '{}'", scene.label),
+                      fmt::format("a 'label' for one of them; the first is on line {}", plan_.scenes[*other].where.line));
+      return;
+    }
+    plan_.scenes.push_back(scene);
+  }
+
+  Reading& reading_;
+  Plan& plan_;
+  std::vector<std::string> known_;
+};
+
+}  // namespace
+
+std::vector<std::string> known_scene_names() {
+  std::vector<std::string> names;
+  for (const ProceduralInfo& info : procedural_scenes()) names.push_back(info.name);
+  for (const CatalogEntry& entry : read_catalog(catalog_path()).entries) names.push_back(entry.name);
+  return names;
+}
+
+void read_scenes(Reading& reading, const YamlNode& node, Plan& plan) {
+  if (!node.is_list() || node.items.empty()) {
+    reading.report(node.where, fmt::format("'scenes' is {}", node.is_list() ? "empty" : described(node)),
+                   "a list of scenes, such as '[sibenik-ogre]'");
+    return;
+  }
+  SceneReader reader(reading, plan);
+  for (const auto& item : node.items) reader.read(*item);
+}
+
+}  // namespace raystudy
