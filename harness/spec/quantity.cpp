@@ -32,7 +32,7 @@ const std::vector<UnitFamily> unit_families{
 
 const std::vector<Quantity>& harness_quantities() {
   static const std::vector<Quantity> all{
-      {"triangles", "1", "triangles of the scene"},
+      {"triangles", "", "triangles of the scene"},
       {"build_time", "s", "time of the builder"},
       {"optimize_time", "s", "time of all optimizers together"},
       {"encode_time", "s", "time of the encoder"},
