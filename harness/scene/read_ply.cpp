@@ -5,12 +5,11 @@
 #include <array>
 #include <bit>
 #include <charconv>
-#include <cstdlib>
 #include <cstring>
-#include <type_traits>
 #include <utility>
 
 #include "harness/scene/source.h"
+#include "harness/scene/text_cursor.h"
 
 namespace raystudy {
 namespace {
@@ -132,7 +131,7 @@ class HeaderParser {
         fail(fmt::format("the list '{}' has a count of type '{}'", words[4], words[2]), "an integer type");
       header_.elements.back().properties.push_back({std::string(words[4]), type(words[3]), true, count_type});
     } else {
-      fail(fmt::format("the header line '{}' is not understood", fmt::join(words, " ")),
+      fail(fmt::format("the header line '{}' is not understood", shown(fmt::format("{}", fmt::join(words, " ")))),
            "format, element, property, comment or end_header");
     }
   }
@@ -218,17 +217,13 @@ class BinaryCursor {
   std::size_t count_ = 0;
 };
 
-/// Values of an ASCII body: numbers between white space, lines counted for messages.
+/// Values of an ASCII body.
 class AsciiCursor {
  public:
-  AsciiCursor(const SourceFile& source, const Header& header)
-      : source_(source),
-        p_(source.bytes.data() + header.end),
-        end_(source.bytes.data() + source.bytes.size()),
-        line_(header.lines + 1) {}
+  AsciiCursor(const SourceFile& source, const Header& header) : cursor_(source, header.end, header.lines + 1) {}
 
   [[nodiscard]] std::size_t most_records(std::size_t bytes_each) const {
-    return (static_cast<std::size_t>(end_ - p_) + 1) / std::max<std::size_t>(bytes_each, 1);
+    return (cursor_.bytes_left() + 1) / std::max<std::size_t>(bytes_each, 1);
   }
   static std::size_t least_size(Type /*type*/) { return 2; }  // a digit and white space
 
@@ -237,24 +232,25 @@ class AsciiCursor {
     if (type != Type::float64) {
       // Straight to float: by way of double, a few decimals would round twice.
       float value = 0;
-      if (parse(word, value)) return static_cast<double>(value);
+      if (TextCursor::parse(word, value)) return static_cast<double>(value);
     } else {
       double value = 0;
-      if (parse(word, value)) return value;
+      if (TextCursor::parse(word, value)) return value;
     }
-    fail(fmt::format("'{}' stands where a coordinate should", word), "a number");
+    fail(fmt::format("'{}' stands where a number should", shown(word)), "a number");
   }
   std::int64_t integer(Type /*type*/) {
     const std::string_view word = next_word();
     std::int64_t value = 0;
-    if (!parse(word, value)) fail(fmt::format("'{}' stands where an index or count should", word), "a whole number");
+    if (!TextCursor::parse(word, value))
+      fail(fmt::format("'{}' stands where an index or count should", shown(word)), "a whole number");
     return value;
   }
   [[noreturn]] void fail(std::string message, std::string expected) const {
-    fail_at(source_.name, std::move(message), std::move(expected), line_);
+    cursor_.fail(std::move(message), std::move(expected));
   }
   [[noreturn]] void fail_short(std::string_view element, std::size_t done, std::size_t count) const {
-    fail_at(source_.name, fmt::format("the file ends at {} {} of {}", element, done, count), "a complete file", line_);
+    cursor_.fail(fmt::format("the file ends at {} {} of {}", element, done, count), "a complete file");
   }
   void begin_record(std::string_view element, std::size_t index, std::size_t count) {
     element_ = element;
@@ -263,33 +259,13 @@ class AsciiCursor {
   }
 
  private:
-  static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
   std::string_view next_word() {
-    while (p_ != end_ && is_space(*p_)) {
-      if (*p_ == '\n') ++line_;
-      ++p_;
-    }
-    const char* begin = p_;
-    while (p_ != end_ && !is_space(*p_)) ++p_;
-    if (begin == p_) fail_short(element_, index_, count_);
-    return {begin, static_cast<std::size_t>(p_ - begin)};
-  }
-  template <class T>
-  static bool parse(std::string_view word, T& value) {
-    if (word.starts_with('+')) word.remove_prefix(1);
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if constexpr (std::is_floating_point_v<T>) {
-      if (error == std::errc::result_out_of_range)
-        value = static_cast<T>(std::strtod(std::string(word).c_str(), nullptr));  // tiny or infinite
-      return error != std::errc::invalid_argument && end == word.data() + word.size();
-    }
-    return error == std::errc{} && end == word.data() + word.size();
+    const std::string_view word = cursor_.next_word();
+    if (word.empty()) fail_short(element_, index_, count_);
+    return word;
   }
 
-  const SourceFile& source_;
-  const char* p_;
-  const char* end_;
-  int line_;
+  TextCursor cursor_;
   std::string_view element_;
   std::size_t index_ = 0;
   std::size_t count_ = 0;

@@ -96,7 +96,8 @@ void finish_scene(Scene& scene, std::string_view source) {
   const Vec3 center = scene.bounds.center();
   const float size = max(scene.diagonal(), 1e-6F);
   if (scene.cameras.empty()) {
-    scene.cameras.push_back({.name = "overview", .eye = center + Vec3{0.6F, 0.45F, 0.8F} * size, .target = center, .vertical_fov = 50});
+    scene.cameras.push_back(
+        {.name = "overview", .eye = center + Vec3{0.6F, 0.45F, 0.8F} * size, .target = center, .vertical_fov = 50});
   }
   if (scene.lights.empty()) {
     scene.lights.push_back({.name = "sun", .position = {0.4F, 0.8F, 0.45F}, .intensity = Vec3{1}, .point_at_infinity = true});

@@ -47,7 +47,8 @@ struct Camera {
   float vertical_fov = 60;  ///< degrees
 };
 
-/// Indexed triangles with the connectivity of their file, and what is needed to look at them. Immutable once loaded; cheap to copy.
+/// Indexed triangles with the connectivity of their file, and what is needed to look at them. Immutable once loaded; cheap to
+/// copy.
 struct Scene {
   std::string name;
   std::string hash;  ///< 32 hex digits of XXH3-128 over the geometry and materials: the scene's identity in cell names

@@ -35,6 +35,14 @@ using Reader = Scene (*)(const SourceFile&);
 [[nodiscard]] Reader reader_for(const SourceFile& source);
 [[nodiscard]] const std::vector<std::string>& known_extensions();
 
+Scene read_bsp(const SourceFile& source);
+Scene read_gltf(const SourceFile& source);
+Scene read_obj(const SourceFile& source);
+Scene read_off(const SourceFile& source);
 Scene read_ply(const SourceFile& source);
+Scene read_stl(const SourceFile& source);
+/// Formats that have no reader of their own.
+Scene read_assimp(const SourceFile& source);
+[[nodiscard]] const std::vector<std::string>& assimp_extensions();
 
 }  // namespace raystudy
