@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -18,5 +19,8 @@ namespace raystudy {
 /// Hash over the sources of harness/ and methods/ that can change a number (not tests, documentation, report or command line),
 /// the compiler and its flags; made when Raystudy is built.
 [[nodiscard]] std::string_view code_hash();
+
+/// XXH3-128 of a file's bytes in 32 hex digits; nothing where it cannot be read.
+[[nodiscard]] std::optional<std::string> file_hash(const std::string& path);
 
 }  // namespace raystudy

@@ -22,6 +22,7 @@ struct SceneSpec {
   std::string name;            ///< in the catalog, of a generator, or a file's path (with a '/')
   std::int64_t triangles = 0;  ///< of a generator
   std::uint64_t seed = 1;      ///< of a generator
+  std::string identity;        ///< all that its geometry and cameras depend on, without loading it; part of cell_id
   SourceLocation where;
 };
 

@@ -6,15 +6,39 @@
 
 #include "harness/scene/catalog.h"
 #include "harness/scene/procedural.h"
+#include "harness/spec/cell_id.h"
 #include "harness/spec/read_method.h"
 #include "harness/spec/read_sections.h"
 
 namespace raystudy {
 namespace {
 
+std::vector<std::string> scene_names(const Catalog& catalog) {
+  std::vector<std::string> names;
+  for (const ProceduralInfo& info : procedural_scenes()) names.push_back(info.name);
+  for (const CatalogEntry& entry : catalog.entries) names.push_back(entry.name);
+  return names;
+}
+
+/// What the catalog promises of a scene. `open_scene` holds its files to this, so they need not be read here.
+std::string catalog_identity(const CatalogEntry& entry) {
+  std::string text = fmt::format("{} triangles={}", entry.name, entry.triangles);
+  for (const CatalogFile& file : entry.files) text += fmt::format(" sha256={}", file.sha256);
+  const auto triple = [](const Vec3& v) { return fmt::format("{} {} {}", v.x, v.y, v.z); };
+  for (const Camera& camera : entry.cameras) {
+    text += fmt::format(" camera {}: {}, {}, {}, {}", camera.name, triple(camera.eye), triple(camera.target), triple(camera.up),
+                        camera.vertical_fov);
+  }
+  return text;
+}
+
+/// A file outside the catalog is known by its bytes. One that is not there yet has a name only; it cannot be measured either.
+std::string file_identity(const std::string& path) { return fmt::format("{} xxh3={}", path, file_hash(path).value_or("none")); }
+
 class SceneReader {
  public:
-  SceneReader(Reading& reading, Plan& plan) : reading_(reading), plan_(plan), known_(known_scene_names()) {}
+  SceneReader(Reading& reading, Plan& plan)
+      : reading_(reading), plan_(plan), catalog_(read_catalog(catalog_path())), known_(scene_names(catalog_)) {}
 
   void read(const YamlNode& written) {
     const YamlNode& node = reading_.at_scale(written);
@@ -63,6 +87,9 @@ class SceneReader {
     }
     for (const std::int64_t count : counts) {
       scene.triangles = count;
+      scene.identity = generated ? fmt::format("{} triangles={} seed={}", name, count, scene.seed)
+                       : is_file ? file_identity(name)
+                                 : catalog_identity(*catalog_.find(name));
       scene.label = counts.size() == 1 ? scene.base : fmt::format("{}[triangles={}]", scene.base, count);
       add(scene);
     }
@@ -108,17 +135,13 @@ class SceneReader {
 
   Reading& reading_;
   Plan& plan_;
+  Catalog catalog_;
   std::vector<std::string> known_;
 };
 
 }  // namespace
 
-std::vector<std::string> known_scene_names() {
-  std::vector<std::string> names;
-  for (const ProceduralInfo& info : procedural_scenes()) names.push_back(info.name);
-  for (const CatalogEntry& entry : read_catalog(catalog_path()).entries) names.push_back(entry.name);
-  return names;
-}
+std::vector<std::string> known_scene_names() { return scene_names(read_catalog(catalog_path())); }
 
 void read_scenes(Reading& reading, const YamlNode& node, Plan& plan) {
   if (!node.is_list() || node.items.empty()) {
