@@ -32,10 +32,15 @@ class Mesh {
   /// An empty mesh with room for what `counted` has counted.
   static Mesh sized_as(const Mesh& counted) {
     Mesh mesh(false);
-    mesh.vertices_.reserve(counted.vertex_count_);
-    mesh.triangles_.reserve(counted.triangle_count_);
-    mesh.materials_.reserve(counted.triangle_count_);
+    mesh.reserve(counted.vertex_count_, counted.triangle_count_);
     return mesh;
+  }
+
+  /// Makes room for what will be added, so that nothing is allocated beyond it.
+  void reserve(std::size_t vertices, std::size_t triangles) {
+    vertices_.reserve(vertices);
+    triangles_.reserve(triangles);
+    materials_.reserve(triangles);
   }
 
   [[nodiscard]] bool counting() const { return counting_; }
