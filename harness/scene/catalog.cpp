@@ -248,10 +248,10 @@ Catalog read_catalog(const fs::path& file) {
   return catalog;
 }
 
-fs::path user_cache() {
+std::optional<fs::path> user_cache() {
   if (const std::string cache = variable("XDG_CACHE_HOME"); !cache.empty()) return fs::path(cache) / "raystudy";
   if (const std::string home = variable("HOME"); !home.empty()) return fs::path(home) / ".cache/raystudy";
-  throw Error("there is no folder for the user's cache; expected XDG_CACHE_HOME or HOME in the environment");
+  return std::nullopt;
 }
 
 std::vector<fs::path> scene_folders() {
@@ -262,7 +262,7 @@ std::vector<fs::path> scene_folders() {
     if (end > begin) folders.emplace_back(list.substr(begin, end - begin));
     begin = end + 1;
   }
-  folders.push_back(user_cache() / "scenes");
+  if (const auto cache = user_cache()) folders.push_back(*cache / "scenes");
   return folders;
 }
 

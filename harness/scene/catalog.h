@@ -48,8 +48,8 @@ struct Catalog {
 /// Throws one Error with every mistake of the file, each with line and column and the nearest valid key.
 [[nodiscard]] Catalog read_catalog(const std::filesystem::path& file);
 
-/// `$XDG_CACHE_HOME/raystudy`, else `~/.cache/raystudy`. Throws Error where neither variable is set.
-[[nodiscard]] std::filesystem::path user_cache();
+/// `$XDG_CACHE_HOME/raystudy`, else `$HOME/.cache/raystudy`; nothing where neither variable is set.
+[[nodiscard]] std::optional<std::filesystem::path> user_cache();
 /// The folders of RAYSTUDY_SCENES, then `<user cache>/scenes`.
 [[nodiscard]] std::vector<std::filesystem::path> scene_folders();
 /// Where a catalog file is, or nothing.

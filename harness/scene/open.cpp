@@ -3,17 +3,27 @@
 #include <fmt/format.h>
 
 #include "harness/scene/catalog.h"
+#include "harness/scene/load.h"
 #include "harness/scene/procedural.h"
 #include "harness/scene/read.h"
 
 namespace raystudy {
 namespace {
 
+FileToRead to_read(const CatalogFile& file, const CatalogEntry& entry) {
+  const auto path = find_file(file);
+  if (!path) throw SceneNotInstalled(not_installed_text(entry));
+  return {*path, file.sha256, file.where};
+}
+
 Scene open_entry(const CatalogEntry& entry) {
   const CatalogFile* file = installed_file(entry);
   if (file == nullptr) throw SceneNotInstalled(not_installed_text(entry));
-  const std::string path = find_file(*file)->string();
-  Scene scene = read_scene(path);
+  std::vector<FileToRead> frames;
+  for (const CatalogFile& frame : entry.frames) frames.push_back(to_read(frame, entry));
+  const FileToRead model = to_read(*file, entry);
+  const std::string path = model.path.string();
+  Scene scene = load_scene(model, frames);
   if (static_cast<std::int64_t>(scene.triangles.size()) != entry.triangles) {
     throw Error(Diagnostic{{path, 0, 0},
                            fmt::format("scene '{}' has {} triangles", entry.name, scene.triangles.size()),

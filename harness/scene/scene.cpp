@@ -46,6 +46,11 @@ void check_arrays(const Scene& scene, std::string_view source) {
   for (std::size_t f = 0; f < scene.frames.size(); ++f) {
     require(scene.frames[f].size() == scene.vertices.size(), source,
             fmt::format("frame {} has {} vertices", f, scene.frames[f].size()), fmt::format("{}", scene.vertices.size()));
+    for (std::size_t i = 0; i < scene.frames[f].size(); ++i) {
+      const Vec3 v = scene.frames[f][i];
+      if (!is_finite(v))
+        require(false, source, fmt::format("vertex {} of frame {} is ({}, {}, {})", i, f, v.x, v.y, v.z), "finite coordinates");
+    }
   }
 }
 

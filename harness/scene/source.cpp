@@ -46,8 +46,8 @@ std::string beside(std::string_view file, std::string_view relative) {
   return (fs::path(file).parent_path() / forward).lexically_normal().string();
 }
 
-SourceFile finished(const Unpacked& file, std::function<std::optional<Bytes>(std::string_view)> sibling) {
-  return {file.name, fs::path(file.plain).stem().string(), extension_of(file.plain), file.bytes, std::move(sibling)};
+SourceFile finished(const Unpacked& file, bool in_archive, std::function<std::optional<Bytes>(std::string_view)> sibling) {
+  return {file.name, fs::path(file.plain).stem().string(), extension_of(file.plain), file.bytes, in_archive, std::move(sibling)};
 }
 
 std::string sole_model(const std::vector<std::string>& entries, std::string_view archive) {
@@ -72,7 +72,7 @@ SourceFile open_in_archive(const Unpacked& archive, std::string inner) {
     Unpacked file = unpacked(archive.name + '/' + entry, *read_archived(archive.bytes, archive.name, entry));
     const std::string rest = inner == entry ? "" : inner.substr(entry.size() + 1);
     if (!rest.empty() || is_archive(extension_of(file.plain))) return open_in_archive(file, rest);
-    return finished(file, [archive, entry](std::string_view relative) {
+    return finished(file, true, [archive, entry](std::string_view relative) {
       return read_archived(archive.bytes, archive.name, beside(entry, relative));
     });
   }
@@ -96,12 +96,14 @@ SourceFile open_source(const fs::path& path) {
   const std::string inner = disk == path ? "" : path.string().substr(disk.string().size() + 1);
   const Unpacked file = unpacked(disk.string(), map_file(disk));
   if (!inner.empty() || is_archive(extension_of(file.plain))) return open_in_archive(file, inner);
-  return finished(file, [disk](std::string_view relative) -> std::optional<Bytes> {
-    const fs::path other = beside(disk.string(), relative);
-    std::error_code ignored;
-    if (!fs::is_regular_file(other, ignored)) return std::nullopt;
-    return map_file(other);
-  });
+  return finished(file, false, [disk](std::string_view relative) { return file_beside(disk, relative); });
+}
+
+std::optional<Bytes> file_beside(const fs::path& file, std::string_view relative) {
+  const fs::path other = beside(file.string(), relative);
+  std::error_code ignored;
+  if (!fs::is_regular_file(other, ignored)) return std::nullopt;
+  return map_file(other);
 }
 
 namespace {

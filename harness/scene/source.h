@@ -18,6 +18,7 @@ struct SourceFile {
   std::string stem;       ///< the file name without extensions, e.g. "oa_dm5"
   std::string extension;  ///< lower case without dot or compression suffix, e.g. "ply"
   Bytes bytes;
+  bool in_archive = false;
   /// The file at `relative` to the model's folder (on disk or in the archive), unpacked; nothing where there is none.
   std::function<std::optional<Bytes>(std::string_view relative)> sibling;
 };
@@ -28,6 +29,9 @@ struct SourceFile {
 
 /// The part of `path` that is a file on disk: the archive, or the path itself. Throws Error where there is none.
 [[nodiscard]] std::filesystem::path file_on_disk(const std::filesystem::path& path);
+
+/// The file at `relative` to the folder of `file`, both on disk; nothing where there is none.
+[[nodiscard]] std::optional<Bytes> file_beside(const std::filesystem::path& file, std::string_view relative);
 
 /// Reads one format into an unfinished scene: arrays, materials, lights and cameras, not yet checked by finish_scene.
 using Reader = Scene (*)(const SourceFile&);
