@@ -20,7 +20,7 @@ struct Image {
   int height = 0;
   ImageKind kind = ImageKind::color;
   std::vector<std::string> channels{"R", "G", "B"};
-  std::vector<float> pixels;
+  std::vector<float> pixels{};
 
   [[nodiscard]] float* at(int x, int y) { return &pixels[index(x, y)]; }
   [[nodiscard]] const float* at(int x, int y) const { return &pixels[index(x, y)]; }

@@ -31,7 +31,7 @@ struct RenderOptions {
 struct StepMap {
   int width = 0;
   int height = 0;
-  std::vector<float> steps;  ///< rows from the top
+  std::vector<float> steps{};  ///< rows from the top
   double mean = 0;           ///< over all rays
 };
 /// Counts through `session` (a separate, instrumented pass). Throws Error where the tracer cannot count, std::logic_error where a
