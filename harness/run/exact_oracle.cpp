@@ -83,6 +83,9 @@ std::optional<Kernel::FT> exact_t(const ExactRay& ray, const Scene& scene, std::
   return (normal * p[0]) / slope;
 }
 
+/// Rounded once: without asking for the exact value first, CGAL is content with a relative error of 1e-5.
+double rounded(const Kernel::FT& x) { return CGAL::to_double(x.exact()); }
+
 /// The nearest t that is certainly in the range, and the nearest that may be, where the range's ends are off by `slack`.
 struct Outcome {
   double certain = std::numeric_limits<double>::infinity();
@@ -95,7 +98,7 @@ Outcome outcome(const ExactRay& exact, const Ray& ray, const Scene& scene, const
   for (const std::uint32_t t : triangles) {
     const auto hit = exact_t(exact, scene, t);
     if (!hit) continue;
-    const double at = CGAL::to_double(*hit);
+    const double at = rounded(*hit);
     if (at >= ray.tmin - slack && at <= ray.tmax + slack) result.possible = std::min(result.possible, at);
     if (at >= ray.tmin + slack && at <= ray.tmax - slack) result.certain = std::min(result.certain, at);
   }
@@ -181,7 +184,7 @@ ExactHit ExactOracle::closest(const Ray& ray) const {
     if (std::isfinite(ray.tmax) && *hit > Kernel::FT(ray.tmax)) continue;
     if (nearest && *hit >= *nearest) continue;
     nearest = hit;
-    best = {CGAL::to_double(*hit), t};
+    best = {rounded(*hit), t};
   }
   return best;
 }
