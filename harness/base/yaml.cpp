@@ -6,6 +6,7 @@
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -23,7 +24,12 @@ namespace {
 /// in silence, lose the place of keys, and fail on the first problem only.
 class TreeBuilder final : public YAML::EventHandler {
  public:
-  TreeBuilder(const std::string& file, std::vector<Diagnostic>& problems) : file_(file), problems_(problems) {}
+  TreeBuilder(std::string_view text, const std::string& file, std::vector<Diagnostic>& problems)
+      : text_(text), file_(file), problems_(problems) {
+    line_starts_.push_back(0);
+    for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n', end + 1))
+      line_starts_.push_back(end + 1);
+  }
 
   [[nodiscard]] std::shared_ptr<const YamlNode> root() const { return root_ ? root_ : std::make_shared<YamlNode>(); }
   [[nodiscard]] SourceLocation place(const YAML::Mark& mark) const {
@@ -54,6 +60,7 @@ class TreeBuilder final : public YAML::EventHandler {
     auto node = make(YamlNode::Kind::scalar, mark);
     node->text = value;
     node->plain = tag == "?";
+    if (!node->plain) require_closing_quote(mark);
     add(std::move(node), anchor);
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
@@ -117,6 +124,28 @@ class TreeBuilder final : public YAML::EventHandler {
     parent.node->entries.push_back({parent.key, parent.key_where, std::move(value)});
   }
 
+  /// yaml-cpp 0.7 closes a quote by itself where the file ends in a line break, and all that follows it becomes its text.
+  void require_closing_quote(const YAML::Mark& mark) {
+    const auto line = static_cast<std::size_t>(mark.line);
+    if (mark.is_null() || line >= line_starts_.size()) return;
+    std::size_t at = std::min(line_starts_[line] + static_cast<std::size_t>(mark.column), text_.size());
+    while (at < text_.size() && (text_[at] == '&' || text_[at] == '!')) {  // an anchor or a tag comes first
+      at = text_.find_first_not_of(" \t\r\n", std::min(text_.find_first_of(" \t\r\n", at), text_.size()));
+    }
+    if (at >= text_.size() || (text_[at] != '\'' && text_[at] != '"')) return;
+    const char quote = text_[at];
+    const std::string_view stops = quote == '"' ? "\"\\" : "'";
+    for (std::size_t stop = text_.find_first_of(stops, at + 1); stop < text_.size(); stop = text_.find_first_of(stops, stop)) {
+      const bool pair = text_[stop] == '\\' || (quote == '\'' && text_.substr(stop, 2) == "''");
+      if (!pair) return;
+      stop += 2;
+    }
+    problems_.push_back(
+        {place(mark), fmt::format("the quote {} is not closed", quote), fmt::format("{} at the text's end", quote), {}});
+  }
+
+  std::string_view text_;
+  std::vector<std::size_t> line_starts_;
   const std::string& file_;
   std::vector<Diagnostic>& problems_;
   std::shared_ptr<const YamlNode> root_;
@@ -159,7 +188,7 @@ const YamlNode* YamlNode::find(std::string_view key) const {
 }
 
 std::shared_ptr<const YamlNode> parse_yaml(const std::string& text, const std::string& file, std::vector<Diagnostic>& problems) {
-  TreeBuilder builder(file, problems);
+  TreeBuilder builder(text, file, problems);
   try {
     TextBuffer buffer(text);
     std::istream stream(&buffer);
