@@ -26,7 +26,8 @@ double process_cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-void run_repetition(Task& task, benchmark::State& state) {
+void run_repetition(Task& task, const std::function<void()>& on_repetition, benchmark::State& state) {
+  if (on_repetition) on_repetition();
   if (task.failed) {
     state.SkipWithError("failed in an earlier repetition");
     return;
@@ -111,8 +112,8 @@ void time_interleaved(std::vector<TimedWork> works, const TimingOptions& options
     const auto [place, is_new] = tasks.emplace(std::move(name), Task{std::move(work)});
     if (!is_new) throw std::logic_error(fmt::format("time_interleaved: two works are named '{}'", place->first));
     Task* task = &place->second;
-    auto* registered =
-        benchmark::RegisterBenchmark(place->first.c_str(), [task](benchmark::State& s) { run_repetition(*task, s); });
+    auto* registered = benchmark::RegisterBenchmark(
+        place->first.c_str(), [task, &options](benchmark::State& s) { run_repetition(*task, options.on_repetition, s); });
     registered->UseManualTime()->Repetitions(options.repetitions)->MinTime(options.sample_seconds);
     if (options.warm_up_seconds > 0) registered->MinWarmUpTime(options.warm_up_seconds);
   }

@@ -32,7 +32,8 @@ struct TimedWork {
 struct TimingOptions {
   int repetitions = 3;
   double warm_up_seconds = 0;
-  double sample_seconds = 0.02;  ///< work shorter than this is iterated within a repetition until it takes so long
+  double sample_seconds = 0.02;           ///< work shorter than this is iterated within a repetition until it takes so long
+  std::function<void()> on_repetition{};  ///< called before each repetition; may be empty
 };
 
 /// Times all works with Google Benchmark, the repetitions of all of them in one random order, so that a disturbance or a drift of

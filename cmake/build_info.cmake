@@ -1,0 +1,48 @@
+# What results say of the build that made them (harness/run/provenance.h). Included by the configuration, which knows compiler and
+# libraries; run again as a script by every build, which knows the commit. The file changes only where what it says does.
+if(CMAKE_SCRIPT_MODE_FILE)
+  set(commit unknown)
+  set(dirty unknown)
+  execute_process(COMMAND git -C ${source_dir} rev-parse HEAD OUTPUT_VARIABLE head OUTPUT_STRIP_TRAILING_WHITESPACE
+    ERROR_QUIET RESULT_VARIABLE failed)
+  if(NOT failed)
+    set(commit ${head})
+    execute_process(COMMAND git -C ${source_dir} status --porcelain -- harness methods scenes cmake CMakeLists.txt OUTPUT_VARIABLE changes ERROR_QUIET)
+    if(changes)
+      set(dirty yes)
+    else()
+      set(dirty no)
+    endif()
+  endif()
+  configure_file(${template} ${output} @ONLY)
+  return()
+endif()
+
+# Warnings change no number.
+get_target_property(options raystudy_flags INTERFACE_COMPILE_OPTIONS)
+list(FILTER options EXCLUDE REGEX "-W")
+string(TOUPPER "${CMAKE_BUILD_TYPE}" upper_build_type)
+string(JOIN " " flags ${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_${upper_build_type}} ${options})
+set(libraries "")
+foreach(library IN ITEMS embree TBB benchmark fmt nlohmann_json yaml-cpp CGAL LibArchive assimp oiio xxhash OpenSSL)
+  set(version "${${library}_VERSION}")
+  if(library STREQUAL "CGAL")
+    set(version "${CGAL_VERSION}")
+  elseif(library STREQUAL "OpenSSL")
+    set(version "${OPENSSL_VERSION}")
+  endif()
+  if(version)
+    string(APPEND libraries "      {\"${library}\", \"${version}\"},\n")
+  endif()
+endforeach()
+# Names in @@ are the build's to fill in.
+set(commit "@commit@")
+set(dirty "@dirty@")
+set(template ${CMAKE_CURRENT_BINARY_DIR}/build_info.cpp.in)
+configure_file(${CMAKE_CURRENT_LIST_DIR}/build_info.cpp.in ${template} @ONLY)
+set(output ${CMAKE_CURRENT_BINARY_DIR}/build_info.cpp)
+add_custom_target(raystudy_build_info BYPRODUCTS ${output}
+  COMMAND ${CMAKE_COMMAND} -Dsource_dir=${PROJECT_SOURCE_DIR} -Dtemplate=${template} -Doutput=${output} -P ${CMAKE_CURRENT_LIST_FILE}
+  VERBATIM)
+target_sources(raystudy_harness PRIVATE ${output})
+add_dependencies(raystudy_harness raystudy_build_info)

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstddef>
+#include <exception>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "harness/method/method.h"
+#include "harness/run/board.h"
+#include "harness/run/message.h"
+#include "harness/run/pipeline.h"
+#include "harness/run/reference.h"
+#include "harness/run/result.h"
+#include "harness/run/timing.h"
+#include "harness/run/worker.h"
+
+namespace raystudy {
+
+struct Rays {
+  RayBatch batch;
+  std::vector<Hit> reference;  ///< Embree's
+};
+
+struct TraceWork {
+  std::size_t cell = 0;
+  const Rays* rays = nullptr;
+  std::unique_ptr<Tracer> tracer;
+  std::unique_ptr<TraceSession> session;
+  CellResult result;
+};
+
+/// A pipeline and its cells that are to be measured.
+struct PipelineWork {
+  std::size_t index = 0;
+  std::optional<std::size_t> build_cell;
+  std::vector<std::size_t> trace_cells;
+  std::unique_ptr<Pipeline> pipeline;
+  CellResult build_result;
+  std::unique_ptr<Accel> accel;  ///< kept where it is traced
+  std::vector<std::unique_ptr<TraceWork>> traces;
+};
+
+/// What run_worker (worker.h) does, step by step.
+class Worker {
+ public:
+  Worker(const Plan& plan, std::vector<std::size_t> cells, Board& board, const MessageSender& sender)
+      : plan_(plan), cells_(std::move(cells)), board_(board), sender_(sender) {}
+
+  void run(const OpenScene& open);
+
+ private:
+  bool guarded(Spent kind, Scope scope, std::size_t index, std::string_view stage, const std::function<void()>& work);
+  void announce(Scope scope, std::size_t index, std::string_view stage);
+  void fail(Scope scope, std::size_t index, std::string_view stage, const std::exception_ptr& error);
+
+  void open_the_scene(const OpenScene& open);
+  void make_rays();
+  void build(PipelineWork& work);
+  void check_tree(const PipelineWork& work);
+  void measure_tree(PipelineWork& work);
+  void check_trace(PipelineWork& work, std::size_t cell);
+  void count_steps(TraceWork& trace);
+  void time_group(std::vector<std::unique_ptr<PipelineWork>>& group);
+  TimedWork timed_build(PipelineWork& work);
+  TimedWork timed_trace(const PipelineWork& work, TraceWork& trace);
+  [[nodiscard]] std::vector<std::unique_ptr<PipelineWork>> pipelines() const;
+
+  const Plan& plan_;
+  std::vector<std::size_t> cells_;
+  Board& board_;
+  const MessageSender& sender_;
+  std::optional<Scene> scene_;
+  BuildContext context_;
+  std::unique_ptr<Reference> reference_;
+  std::map<std::size_t, Rays> rays_;  ///< by workload
+  std::vector<Hit> hits_;             ///< of the trace that is being timed
+  std::map<std::pair<Scope, std::size_t>, double> spent_;
+  std::pair<Scope, std::size_t> current_{Scope::scene, 0};
+  std::string current_stage_;
+  double current_start_ = 0;
+};
+
+}  // namespace raystudy
