@@ -55,7 +55,8 @@ struct PublishedColumn {
   ComparedBy compared_by = ComparedBy::value;
   std::string reason;  ///< why it is not compared by value; empty where it is
   Tolerance tolerance;
-  std::string source;  ///< place in the paper: "Table 1, p. 17"
+  std::optional<double> baseline;  ///< the value that means "no change" in a relative column, e.g. 100 for a cost in % of another
+  std::string source;              ///< place in the paper: "Table 1, p. 17"
   PublishedRows rows = PublishedRows::scene;
   std::map<std::string, PublishedValue> values;  ///< by the paper's row name
   [[nodiscard]] std::string key() const { return table + '.' + name; }

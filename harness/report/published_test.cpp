@@ -55,17 +55,21 @@ TEST(Published, NamesTheNearestKey) {
 }
 
 TEST(Published, SaysWhatIsWrongAndWhere) {
-  EXPECT_EQ(error_of("citation: [a"), "p.yaml:1:1: this is not YAML: end of sequence flow not found");
+  EXPECT_EQ(error_of("citation: [a"), "p.yaml:1:1: this is no YAML: end of sequence flow not found");
   EXPECT_EQ(error_of("citation: a\nscenes: {}\n"), "p.yaml:1:1: the file has no 'tables'");
-  EXPECT_EQ(error_of("- a"), "p.yaml:1:1: the file is not a mapping; expected the keys citation, scenes, tables");
-  EXPECT_EQ(error_of("citation: {}\nscenes: {}\ntables: {}"), "p.yaml:1:11: 'citation' is not text");
+  EXPECT_EQ(error_of("- a"), "p.yaml:1:1: the file is a list; expected the keys citation, scenes, tables");
+  EXPECT_EQ(error_of("citation: {}\nscenes: {}\ntables: {}"), "p.yaml:1:11: 'citation' is a map; expected a text");
+  EXPECT_EQ(error_of("citation: a\nscenes: a\ntables: []"),
+            "p.yaml:2:9: 'scenes' is the text 'a'; expected the paper's scenes by name\n"
+            "p.yaml:3:9: 'tables' is a list; expected the paper's tables by name");
   EXPECT_EQ(error_of("citation: a\nscens: {}\nscenes: {}\ntables: {}\nscenes: {}"),
             "p.yaml:2:1: unknown key 'scens' in the file; expected one of citation, scenes, tables; did you mean 'scenes'?\n"
-            "p.yaml:5:1: duplicate key 'scenes' in the file");
+            "p.yaml:5:1: key 'scenes' stands a second time; expected each key once; the first is on line 3");
   EXPECT_EQ(
       error_of(
           "citation: a\nscenes:\n  A: {ours: a, comparability: sme}\n  B: {comparability: variant}\n  C: {ours: a}\ntables: {}"),
-      "p.yaml:3:31: 'comparability' is 'sme'; expected one of same, close-variant, variant, absent; did you mean 'same'?\n"
+      "p.yaml:3:31: 'comparability' is the text 'sme'; expected one of same, close-variant, variant, absent; did you mean "
+      "'same'?\n"
       "p.yaml:4:6: scene 'B' has no 'ours'\n"
       "p.yaml:4:6: scene 'B' has no 'reason'\n"
       "p.yaml:5:6: scenes 'A' and 'C' are both our 'a'");
@@ -76,10 +80,14 @@ TEST(Published, SaysWhatIsWrongInATable) {
   const std::string column = "      - {name: c, what: w, unit: s, class: exact, tolerance: {relative: 0.01}}\n";
   EXPECT_EQ(error_of(head + column + "    values:\n      A: [1, 2]\n"),
             "p.yaml:9:10: row 'A' of table 't' has 2 values; expected 1, one a column (~ where nothing is published)");
-  EXPECT_EQ(error_of(head + column + "    values:\n      A: [x]\n"), "p.yaml:9:11: 'c' of row 'A' is 'x'; expected a number");
+  EXPECT_EQ(error_of(head + column + "    values: [1]\n"), "p.yaml:8:13: 'values' of table 't' is a list; expected rows by name");
+  EXPECT_EQ(error_of("citation: a\nscenes: {}\ntables: {t: {source: s, columns: 3, values: {}}}"),
+            "p.yaml:3:34: 'columns' of table 't' is the integer 3; expected a list of columns");
+  EXPECT_EQ(error_of(head + column + "    values:\n      A: [x]\n"),
+            "p.yaml:9:11: 'c' of row 'A' is the text 'x'; expected a number");
   EXPECT_EQ(error_of(head + column + "    values:\n      AB: [1]\n      A: [nan]\n"),
             "p.yaml:9:7: row 'AB' of table 't' is no scene of this file; expected one of A\n"
-            "p.yaml:10:11: 'c' of row 'A' is 'nan'; expected a number");
+            "p.yaml:10:11: 'c' of row 'A' is the text 'nan'; expected a number");
   EXPECT_EQ(error_of(head + column + column + "    values: {A: [1, 1]}\n"), "p.yaml:8:9: duplicate column 'c' in table 't'");
   EXPECT_EQ(
       error_of(head + "      - {name: c, what: w, unit: s, class: absolute, tolerance: {relative: 1}}\n    values: {}\n"),
@@ -100,7 +108,7 @@ TEST(Published, SaysThatAFileIsNotThere) {
     (void)read_published("/nowhere/p.yaml");
     FAIL();
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "/nowhere/p.yaml: cannot read the published values");
+    EXPECT_STREQ(error.what(), "/nowhere/p.yaml: cannot be read: No such file or directory");
   }
 }
 

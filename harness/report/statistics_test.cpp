@@ -16,43 +16,66 @@ TEST(Median, IsTheMiddleOrTheMeanOfTheMiddleTwo) {
   EXPECT_THROW((void)median_of({}), std::logic_error);
 }
 
-TEST(EstimateMedian, HasNoIntervalBelowThreeSamples) {
-  const Estimate two = estimate_median(std::vector<double>{1, 3});
+Estimate median(const std::vector<double>& samples) { return Bootstrapped::median(samples, 1).estimate(); }
+
+Bootstrapped ratio(const Bootstrapped& a, const Bootstrapped& b) {
+  const std::vector<const Bootstrapped*> inputs{&a, &b};
+  return Bootstrapped::combined(inputs, [](std::span<const double> x) { return x[0] / x[1]; });
+}
+
+TEST(Bootstrap, HasNoIntervalBelowThreeSamples) {
+  const Estimate two = median({1, 3});
   EXPECT_EQ(two.value, 2);
   EXPECT_FALSE(two.interval);
 }
 
 // Of three, a resample's median is the least where the least is drawn twice or more: 7/27 of the resamples. So the 2.5th
 // percentile is the least, and the 97.5th the greatest.
-TEST(EstimateMedian, OfThreeSpansThemAll) {
-  const Estimate three = estimate_median(std::vector<double>{5, 1, 2});
+TEST(Bootstrap, OfThreeSpansThemAll) {
+  const Estimate three = median({5, 1, 2});
   EXPECT_EQ(three.value, 2);
   EXPECT_EQ(three.interval, (Interval{1, 5}));
 }
 
 // Of seven, the median is the least where that is drawn four times or more: P(Bin(7, 1/7) >= 4) = 1.0 %, below 2.5 %. It is one
 // of the two least with P(Bin(7, 2/7) >= 4) = 10.8 %, above. So the interval runs from the second to the sixth.
-TEST(EstimateMedian, OfSevenLeavesTheExtremesOut) {
-  const Estimate seven = estimate_median(std::vector<double>{70, 10, 20, 60, 30, 50, 40});
+TEST(Bootstrap, OfSevenLeavesTheExtremesOut) {
+  const Estimate seven = median({70, 10, 20, 60, 30, 50, 40});
   EXPECT_EQ(seven.value, 40);
   EXPECT_EQ(seven.interval, (Interval{20, 60}));
 }
 
-TEST(EstimateMedian, IsTheSameEachTime) {
+TEST(Bootstrap, DependsOnItsSeedAlone) {
   std::vector<double> samples;
   for (int i = 0; i < 20; ++i) samples.push_back((i * 37) % 101);
-  EXPECT_EQ(estimate_median(samples).interval, estimate_median(samples).interval);
+  EXPECT_EQ(Bootstrapped::median(samples, 7).replicates, Bootstrapped::median(samples, 7).replicates);
+  EXPECT_NE(Bootstrapped::median(samples, 7).replicates, Bootstrapped::median(samples, 8).replicates);
 }
 
-TEST(EstimateRatio, DividesMedians) {
-  const Estimate constant = estimate_ratio(std::vector<double>{6, 6, 6}, std::vector<double>{4, 4, 4});
-  EXPECT_EQ(constant.value, 1.5);
-  EXPECT_EQ(constant.interval, (Interval{1.5, 1.5}));
+TEST(Bootstrap, OfARatioDrawsBothSides) {
+  const Bootstrapped six = Bootstrapped::median(std::vector<double>{6, 6, 6}, 1);
+  const Bootstrapped four = Bootstrapped::median(std::vector<double>{4, 4, 4}, 2);
+  EXPECT_EQ(ratio(six, four).estimate().value, 1.5);
+  EXPECT_EQ(ratio(six, four).estimate().interval, (Interval{1.5, 1.5}));
   // Each extreme pair has (7/27)^2 = 6.7 % of the resamples: above 2.5 %.
-  const Estimate spread = estimate_ratio(std::vector<double>{2, 4, 8}, std::vector<double>{1, 2, 4});
-  EXPECT_EQ(spread.value, 2);
-  EXPECT_EQ(spread.interval, (Interval{0.5, 8}));
-  EXPECT_FALSE(estimate_ratio(std::vector<double>{2, 4, 8}, std::vector<double>{1, 2}).interval);
+  const Bootstrapped a = Bootstrapped::median(std::vector<double>{2, 4, 8}, 1);
+  const Bootstrapped b = Bootstrapped::median(std::vector<double>{1, 2, 4}, 2);
+  EXPECT_EQ(ratio(a, b).estimate().value, 2);
+  EXPECT_EQ(ratio(a, b).estimate().interval, (Interval{0.5, 8}));
+  EXPECT_EQ(ratio(a, a).estimate().interval, (Interval{1, 1})) << "a value has the same replicate wherever it is used";
+}
+
+TEST(Bootstrap, OfExactValuesIsExact) {
+  const Bootstrapped exact = ratio(Bootstrapped::constant(3), Bootstrapped::constant(4));
+  EXPECT_TRUE(exact.exact);
+  EXPECT_EQ(exact.value, 0.75);
+  EXPECT_FALSE(exact.estimate().interval);
+  const Bootstrapped mixed = ratio(Bootstrapped::median(std::vector<double>{2, 4, 8}, 1), Bootstrapped::constant(2));
+  EXPECT_FALSE(mixed.exact);
+  EXPECT_EQ(mixed.estimate().interval, (Interval{1, 4}));
+  EXPECT_FALSE(ratio(Bootstrapped::median(std::vector<double>{2, 4}, 1), Bootstrapped::median(std::vector<double>{2, 4, 8}, 1))
+                   .estimate()
+                   .interval);
 }
 
 }  // namespace
