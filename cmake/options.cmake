@@ -12,6 +12,8 @@ target_compile_options(raystudy_flags INTERFACE
 target_compile_definitions(raystudy_flags INTERFACE HWY_COMPILE_ONLY_STATIC)
 if(RAYSTUDY_NATIVE)
   target_compile_options(raystudy_flags INTERFACE -march=native)
+elseif(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  target_compile_options(raystudy_flags INTERFACE -march=x86-64-v2)  # SSE 4.2: the least that Highway 1.0.3 has vectors for
 endif()
 if(RAYSTUDY_SANITIZE)
   target_compile_options(raystudy_flags INTERFACE -fsanitize=${RAYSTUDY_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

@@ -13,20 +13,20 @@
 namespace raystudy {
 
 /// Two boxes side by side, axis by axis: axis[i] = {lower of box 0, lower of box 1, upper of box 0, upper of box 1}.
-struct alignas(16) BoxPair {
+struct alignas(16) SlabPair {
   std::array<std::array<float, 4>, 3> axis;
 
-  BoxPair() = default;
-  BoxPair(const Box& a, const Box& b)
+  SlabPair() = default;
+  SlabPair(const Box& a, const Box& b)
       : axis{{{a.lower.x, b.lower.x, a.upper.x, b.upper.x},
               {a.lower.y, b.lower.y, a.upper.y, b.upper.y},
               {a.lower.z, b.lower.z, a.upper.z, b.upper.z}}} {}
 };
-static_assert(sizeof(BoxPair) == 48);
+static_assert(sizeof(SlabPair) == 48);
 
 /// What a slab test found: bit i of `mask` tells that box i was met, near[i] where it is entered (a lower bound, in the ray's
 /// scaled t: good for ordering and for comparing with `SlabRay::scaled`).
-struct BoxPairHit {
+struct SlabHit {
   unsigned mask;
   alignas(16) std::array<float, 4> near;
 };
@@ -94,7 +94,7 @@ struct SlabRay {
 };
 
 /// Tests both boxes of a pair against the part of the ray within `limits` (SlabRay::limits).
-inline BoxPairHit test_boxes(const SlabRay& ray, const BoxPair& pair, __m128 limits) {
+inline SlabHit test_boxes(const SlabRay& ray, const SlabPair& pair, __m128 limits) {
   __m128 t = limits;
   for (std::size_t i = 0; i < 3; ++i) {
     // {near, near, far, far}; two halves of one row, so that no lane must be exchanged by the ray's sign.
@@ -106,7 +106,7 @@ inline BoxPairHit test_boxes(const SlabRay& ray, const BoxPair& pair, __m128 lim
   }
   // Far ends are negated to share the maximum.
   const __m128 far = _mm_xor_ps(_mm_movehl_ps(t, t), _mm_set1_ps(-0.0F));
-  BoxPairHit hit;
+  SlabHit hit;
   hit.mask = static_cast<unsigned>(_mm_movemask_ps(_mm_cmple_ps(t, far))) & 3U;
   _mm_store_ps(hit.near.data(), t);
   return hit;

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
+#include <algorithm>
 #include <cstddef>
+
+#include "harness/base/parallel.h"
 
 namespace raystudy {
 
@@ -13,20 +13,17 @@ inline constexpr std::size_t rays_in_tile = 1024;
 /// Calls f(begin, end) for consecutive tiles of [0, count), on `threads` threads; on the calling one alone where `threads` is 1.
 template <class F>
 void for_ray_tiles(std::size_t count, int threads, const F& f) {
-  if (threads <= 1) {
-    for (std::size_t begin = 0; begin < count; begin += rays_in_tile) {
-      f(begin, begin + rays_in_tile < count ? begin + rays_in_tile : count);
+  const auto trace_tiles = [&](std::size_t first, std::size_t last) {
+    for (std::size_t tile = first; tile < last; ++tile) {
+      f(tile * rays_in_tile, std::min((tile + 1) * rays_in_tile, count));
     }
-    return;
+  };
+  const std::size_t tiles = (count + rays_in_tile - 1) / rays_in_tile;
+  if (threads <= 1) {
+    trace_tiles(0, tiles);
+  } else {
+    with_threads(threads, [&] { parallel_for_blocks(tiles, 1, trace_tiles); });
   }
-  tbb::task_arena arena(threads);
-  arena.execute([&] {
-    const std::size_t tiles = (count + rays_in_tile - 1) / rays_in_tile;
-    tbb::parallel_for(std::size_t{0}, tiles, [&](std::size_t tile) {
-      const std::size_t begin = tile * rays_in_tile;
-      f(begin, begin + rays_in_tile < count ? begin + rays_in_tile : count);
-    });
-  });
 }
 
 }  // namespace raystudy

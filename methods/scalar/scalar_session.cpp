@@ -76,7 +76,7 @@ Hit ScalarSession::trace_one(const Ray& ray, Pending* const stack, Counter& coun
   const SlabRay slabs(ray, bounds_);
   __m128 limits = slabs.limits(ray.tmin, ray.tmax);
   counter.boxes(1);
-  const BoxPairHit root = test_boxes(slabs, BoxPair(bounds_, bounds_), limits);
+  const SlabHit root = test_boxes(slabs, SlabPair(bounds_, bounds_), limits);
   if (root.mask == 0) return {};
 
   Pending node{root_first_, root_count_, root.near[0]};
@@ -86,7 +86,7 @@ Hit ScalarSession::trace_one(const Ray& ray, Pending* const stack, Counter& coun
       counter.inner();
       counter.boxes(2);
       const NodePair& pair = pairs_[node.first];
-      const BoxPairHit met = test_boxes(slabs, pair.boxes, limits);
+      const SlabHit met = test_boxes(slabs, pair.boxes, limits);
       if (met.mask != 0) {
         // Of two, the nearer one next (the first where they tie); of one, that one.
         const std::size_t next = met.mask == 3 ? static_cast<std::size_t>(met.near[1] < met.near[0]) : met.mask >> 1;

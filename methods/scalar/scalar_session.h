@@ -14,7 +14,7 @@ namespace raystudy::scalar {
 /// Two siblings in one cache line, in the place of their pair in Bvh2::nodes: the same tree in the same memory order and size,
 /// with the boxes transposed for `test_boxes`. `first` of an inner child is the index of its own children's pair.
 struct alignas(64) NodePair {
-  BoxPair boxes;
+  SlabPair boxes;
   std::array<std::uint32_t, 2> first;
   std::array<std::uint32_t, 2> count;
 };
