@@ -45,10 +45,14 @@ struct BoxPair {
     return {__builtin_shufflevector(x, x, 1, 1, 3, 3), __builtin_shufflevector(y, y, 1, 1, 3, 3),
             __builtin_shufflevector(z, z, 1, 1, 3, 3)};
   }
+  [[nodiscard]] BoxPair swapped() const {
+    return {__builtin_shufflevector(x, x, 1, 0, 3, 2), __builtin_shufflevector(y, y, 1, 0, 3, 2),
+            __builtin_shufflevector(z, z, 1, 0, 3, 2)};
+  }
   /// The union of the two boxes, twice.
   [[nodiscard]] BoxPair merged() const {
-    return {max(x, __builtin_shufflevector(x, x, 1, 0, 3, 2)), max(y, __builtin_shufflevector(y, y, 1, 0, 3, 2)),
-            max(z, __builtin_shufflevector(z, z, 1, 0, 3, 2))};
+    const BoxPair other = swapped();
+    return {max(x, other.x), max(y, other.y), max(z, other.z)};
   }
 };
 

@@ -39,7 +39,7 @@ class Insertion final : public Optimizer {
   }
 
   void optimize(Bvh2& bvh, const Scene& /*scene*/, const BuildContext& context) const override {
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = RunningCost::Clock::now();
     if (bvh.leaf_count() < 3) {  // there is one tree only
       if (context.cost_trace != nullptr) context.cost_trace->push_back({0, tree_cost(bvh, context.cost)});
       return;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +8,7 @@
 
 #include "harness/accel/pair_tree.h"
 #include "harness/method/method.h"
+#include "harness/method/running_cost.h"
 #include "methods/insertion/passes.h"
 #include "methods/insertion/reinsertion.h"
 #include "methods/insertion/selection.h"
@@ -19,16 +19,14 @@ namespace raystudy::insertion {
 template <class M>
 class Optimization {
  public:
-  using Clock = std::chrono::steady_clock;
+  using Clock = RunningCost::Clock;
 
   /// Everything referred to must outlive this; seconds are counted from `start`.
   Optimization(PairTree& tree, const M& measure, const Options& options, const BuildContext& context, Clock::time_point start)
       : tree_(tree),
-        context_(context),
         options_(options),
-        start_(start),
         reinsertion_(tree, measure),
-        leaf_sum_(leaf_measure_sum(tree)),
+        running_(tree, context, start),
         selector_(context.seed),
         batch_(batch_size(options.batch_percent, tree.inner_count(), tree.leaves.size())) {}
 
@@ -36,13 +34,13 @@ class Optimization {
   /// areas past the range of float) is left as it is.
   bool run() {
     const double first = cost();
-    record(first);
+    running_.record(first);
     if (!std::isfinite(first)) return false;
     Progress progress(options_, first);
-    while (!progress.is_done() && !out_of_time()) {
+    while (!progress.is_done() && !running_.out_of_time(options_.max_seconds)) {
       update(progress.selects_at_random() ? selector_.at_random(tree_, batch_) : selector_.by_area(tree_, batch_));
       const double now = cost();
-      record(now);
+      running_.record(now);
       if (progress.add_pass(now) && options_.keep_best) best_ = tree_;
     }
     if (best_) tree_ = *best_;
@@ -50,28 +48,14 @@ class Optimization {
   }
 
  private:
-  /// Eq. 1, from sums that are kept as the tree changes.
-  [[nodiscard]] double cost() const {
-    const CostModel& model = context_.cost;
-    const double sum =
-        static_cast<double>(model.traversal) * reinsertion_.inner_sum() + static_cast<double>(model.intersection) * leaf_sum_;
-    return sum / static_cast<double>(tree_.pairs[0].measure[0]);
-  }
-
-  [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-  void record(double now) const {
-    if (context_.cost_trace != nullptr) context_.cost_trace->push_back({seconds(), now});
-  }
-  [[nodiscard]] bool out_of_time() const {
-    return context_.stop_requested() || (options_.max_seconds > 0 && seconds() >= options_.max_seconds);
-  }
+  [[nodiscard]] double cost() const { return running_.of(reinsertion_.inner_sum()); }
 
   /// A selected node may have been taken out and put in elsewhere by an earlier update of the same pass; it is updated where it
   /// stands now. Only the root, which has no parent, is passed over.
   void update(const std::vector<std::uint32_t>& selected) {
     constexpr std::size_t between_looks_at_the_clock = 256;
     for (std::size_t i = 0; i < selected.size(); ++i) {
-      if (i % between_looks_at_the_clock == 0 && out_of_time()) return;
+      if (i % between_looks_at_the_clock == 0 && running_.out_of_time(options_.max_seconds)) return;
       if (selected[i] == tree_.root()) continue;
       if (options_.both_children) {
         reinsertion_.update_both(selected[i]);
@@ -82,11 +66,9 @@ class Optimization {
   }
 
   PairTree& tree_;
-  const BuildContext& context_;
   Options options_;
-  Clock::time_point start_;
   Reinsertion<M> reinsertion_;
-  double leaf_sum_;
+  RunningCost running_;
   Selector selector_;
   std::size_t batch_;
   std::optional<PairTree> best_;

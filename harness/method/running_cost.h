@@ -1,0 +1,42 @@
+#pragma once
+
+#include <chrono>
+
+#include "harness/accel/pair_tree.h"
+#include "harness/method/method.h"
+#include "harness/method/pair_measure.h"
+
+namespace raystudy {
+
+/// Eq. 1 and its trace over time for an optimizer that keeps Σ_inner m(N) itself while it edits a tree.
+class RunningCost {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// `tree` is measured; what leaves cost together does not change as long as leaves move whole. Seconds count from `start`.
+  RunningCost(const PairTree& tree, const BuildContext& context, Clock::time_point start)
+      : tree_(tree), context_(context), start_(start), leaf_sum_(leaf_measure_sum(tree)) {}
+
+  /// The tree's cost, from the sum of its inner measures. Not a finite number where the root measures 0 or areas overflow.
+  [[nodiscard]] double of(double inner_sum) const {
+    const CostModel& model = context_.cost;
+    const double sum = static_cast<double>(model.traversal) * inner_sum + static_cast<double>(model.intersection) * leaf_sum_;
+    return sum / static_cast<double>(tree_.pairs[0].measure[0]);
+  }
+  void record(double cost) const {
+    if (context_.cost_trace != nullptr) context_.cost_trace->push_back({seconds(), cost});
+  }
+  [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  /// True where the run was stopped, or has taken `max_seconds` (0: no limit).
+  [[nodiscard]] bool out_of_time(double max_seconds) const {
+    return context_.stop_requested() || (max_seconds > 0 && seconds() >= max_seconds);
+  }
+
+ private:
+  const PairTree& tree_;
+  const BuildContext& context_;
+  Clock::time_point start_;
+  double leaf_sum_;
+};
+
+}  // namespace raystudy
