@@ -72,17 +72,18 @@ Image heat_legend(int width, const HeatMapOptions& options) {
   for (int tick = 0; tick <= 4; ++tick) {
     const int x = left + (right - left) * tick / 4;
     for (int y = bottom; y < bottom + text / 3; ++y) std::fill_n(legend.at(x, y), 3, 0.0F);
-    const float value = options.max_steps * static_cast<float>(tick) / 4;
-    draw_text(legend, x, bottom + text, fmt::format("{}{:.4g}", tick == 4 ? "≥ " : "", value), text, Vec3{0}, TextAlign::center);
+    const float value = options.min_steps + (options.max_steps - options.min_steps) * static_cast<float>(tick) / 4;
+    const char* beyond = tick == 4 ? "≥ " : tick == 0 && options.min_steps > 0 ? "≤ " : "";
+    draw_text(legend, x, bottom + text, fmt::format("{}{:.4g}", beyond, value), text, Vec3{0}, TextAlign::center);
   }
   return legend;
 }
 
 Image heat_map(const StepMap& map, const HeatMapOptions& options) {
-  if (!(options.max_steps > 0)) throw std::logic_error("heat_map: the scale's end must be positive");
+  if (!(options.max_steps > options.min_steps)) throw std::logic_error("heat_map: the scale's end must be above its start");
   Image picture = filled_image(map.width, map.height, Vec3{0});
   for (std::size_t p = 0; p < map.steps.size(); ++p) {
-    const Vec3 color = heat_color(map.steps[p] / options.max_steps);
+    const Vec3 color = heat_color((map.steps[p] - options.min_steps) / (options.max_steps - options.min_steps));
     for (int c = 0; c < 3; ++c) picture.pixels[3 * p + static_cast<std::size_t>(c)] = color[c];
   }
   if (!options.legend) return picture;

@@ -44,7 +44,7 @@ std::string encoded(const Image& image, const std::string& extension) {
   spec.attribute("compression", "zip");
   std::vector<unsigned char> bytes;
   OIIO::Filesystem::IOVecOutput memory(bytes);
-  const std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(extension, &memory);
+  const std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create("memory" + extension, &memory);
   bool good = out != nullptr && out->open("memory" + extension, spec);
   if (good && png) {
     std::vector<unsigned char> values(image.pixels.size());

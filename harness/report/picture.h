@@ -32,7 +32,7 @@ struct StepMap {
   int width = 0;
   int height = 0;
   std::vector<float> steps{};  ///< rows from the top
-  double mean = 0;           ///< over all rays
+  double mean = 0;             ///< over all rays
 };
 /// Counts through `session` (a separate, instrumented pass). Throws Error where the tracer cannot count, std::logic_error where a
 /// batch's rays do not belong to pixels or the batches' images differ in size.
@@ -45,6 +45,7 @@ struct StepMap {
 [[nodiscard]] Vec3 heat_color(float t);
 
 struct HeatMapOptions {
+  float min_steps = 0;    ///< this and less is blue
   float max_steps = 100;  ///< this and more is red (Bittner 2015, Fig. 1: 100)
   bool legend = true;     ///< a labelled colour scale below the picture
   std::string quantity = "traversal steps per ray";

@@ -1,0 +1,191 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "harness/base/error.h"
+#include "harness/base/progress.h"
+#include "harness/cli/verb.h"
+#include "harness/method/registry.h"
+#include "harness/report/picture.h"
+#include "harness/run/pipeline.h"
+#include "harness/scene/open.h"
+#include "harness/scene/procedural.h"
+
+namespace raystudy::cli {
+namespace {
+
+struct Options {
+  std::string scene;
+  std::int64_t triangles = 100'000;
+  std::uint64_t seed = 1;
+  std::string camera;
+  int width = 960;
+  int height = 600;
+  int samples = 0;  ///< 0: 4 of a shaded picture, 1 of a heat map
+  int ambient_rays = 8;
+  float exposure = 1;
+  bool heat_map = false;
+  std::string builder;
+  std::vector<std::string> optimizers;
+  std::string tracer;
+  std::vector<std::string> workloads;
+  float max_steps = 100;
+  bool legend = true;
+  int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  std::string output;
+};
+
+void declare(CLI::App& app, Options& o) {
+  app.add_option("scene", o.scene, "A scene of the catalog, a procedural one, or a file (a name with a '/')")->required();
+  app.add_option("-o,--output", o.output, "The picture: .png, or .exr with linear radiance or raw step counts")->required();
+  app.add_option("--triangles", o.triangles, "Of a procedural scene")->capture_default_str();
+  app.add_option("--seed", o.seed, "Of a procedural scene, of optimizers and of workloads")->capture_default_str();
+  app.add_option("--camera", o.camera, "The scene's first where none is named");
+  app.add_option("--width", o.width, "Pixels")->capture_default_str()->check(CLI::Range(16, 16384));
+  app.add_option("--height", o.height, "Pixels")->capture_default_str()->check(CLI::Range(16, 16384));
+  app.add_option("--samples", o.samples, "Primary rays a pixel; a square number")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 4096));
+  app.add_option("--ambient-rays", o.ambient_rays, "Of a shaded picture, a sample")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 4096));
+  app.add_option("--exposure", o.exposure, "Of a shaded PNG")->capture_default_str()->check(CLI::PositiveNumber);
+  app.add_flag("--heat-map", o.heat_map, "Traversal steps per ray of each pixel in place of the shaded picture");
+  app.add_option("--builder", o.builder, "embree, or sweep-sah for a heat map, where none is named");
+  app.add_option("--optimize", o.optimizers, "Optimizers in order");
+  app.add_option("--tracer", o.tracer, "The first that can trace what the builder makes where none is named");
+  app.add_option("--workload", o.workloads, "Whose rays a heat map counts: primary and ambient-occlusion where none is named");
+  app.add_option("--max-steps", o.max_steps, "The end of a heat map's colour scale")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app.add_flag("!--no-legend", o.legend, "A heat map without its colour scale");
+  app.add_option("--threads", o.threads, "Threads")->capture_default_str()->check(CLI::Range(1, 1024));
+}
+
+/// The named tracer, or the first by name of those that trace `kind` and, for a heat map, count.
+std::unique_ptr<Tracer> choose_tracer(const Options& o, const std::string& kind) {
+  const Registry& registry = Registry::instance();
+  std::vector<std::string> able;
+  for (const std::string& name : registry.names(Role::tracer)) {
+    if (registry.get(Role::tracer, name).info.accel == kind) able.push_back(name);
+  }
+  const auto refuse = [&](const std::string& message) {
+    throw Error(Diagnostic{{}, message, able.empty() ? "another builder" : fmt::format("one of {}", fmt::join(able, ", ")), {}});
+  };
+  if (!o.tracer.empty()) {
+    const Registry::Entry& entry = registry.get(Role::tracer, o.tracer);
+    if (entry.info.accel != kind) {
+      refuse(fmt::format("tracer '{}' cannot trace what builder '{}' makes ('{}')", o.tracer, o.builder, kind));
+    }
+  } else if (able.empty()) {
+    refuse(fmt::format("no tracer can trace what builder '{}' makes ('{}')", o.builder, kind));
+  }
+  return registry.create<Tracer>({o.tracer.empty() ? able.front() : o.tracer, nullptr});
+}
+
+std::vector<MethodRef> choose_workloads(const Options& o) {
+  const Registry& registry = Registry::instance();
+  std::vector<std::string> of_pixels;
+  const auto has_pixels = [&](const std::string& name) {
+    const auto& params = registry.get(Role::workload, name).info.params;
+    return std::any_of(params.begin(), params.end(), [](const ParamSpec& p) { return p.name == "camera"; });
+  };
+  for (const std::string& name : registry.names(Role::workload)) {
+    if (has_pixels(name)) of_pixels.push_back(name);
+  }
+  std::vector<MethodRef> refs;
+  for (const std::string& name : o.workloads) {
+    if (!has_pixels(name)) {
+      throw Error(Diagnostic{{},
+                             fmt::format("the rays of workload '{}' do not belong to pixels", name),
+                             fmt::format("one of {}", fmt::join(of_pixels, ", ")),
+                             {}});
+    }
+    refs.push_back(registry.ref(Role::workload, name,
+                                {{"camera", o.camera},
+                                 {"width", std::int64_t{o.width}},
+                                 {"height", std::int64_t{o.height}},
+                                 {"samples", std::int64_t{o.samples}}}));
+  }
+  return refs;
+}
+
+Image make_heat_map(const Scene& scene, const Options& o, const std::vector<MethodRef>& workloads, TraceSession& session,
+                    bool raw, Progress& progress) {
+  WorkloadContext context{.seed = o.seed, .closest_hits = [&session](std::span<const Ray> rays, std::span<Hit> hits) {
+                            session.trace(rays, hits, Query::closest_hit);
+                          }};
+  std::vector<RayBatch> batches;
+  for (const MethodRef& ref : workloads) {
+    progress.update(0, fmt::format("making the rays of {}", ref.name));
+    batches.push_back(Registry::instance().create<Workload>(ref)->generate(scene, context));
+  }
+  progress.update(0.5, "counting steps");
+  const StepMap map = count_steps(session, batches);
+  fmt::print("{:.2f} traversal steps per ray\n", map.mean);
+  return raw ? step_image(map) : heat_map(map, {.max_steps = o.max_steps, .legend = o.legend});
+}
+
+int render(Options o) {
+  require_writable_image(o.output);
+  if (o.samples == 0) o.samples = o.heat_map ? 1 : 4;
+  const auto side = static_cast<int>(std::lround(std::sqrt(o.samples)));
+  if (side * side != o.samples) {
+    throw Error(
+        Diagnostic{{}, fmt::format("--samples is {}", o.samples), fmt::format("a square number such as {}", side * side), {}});
+  }
+  if (o.builder.empty()) o.builder = o.heat_map ? "sweep-sah" : "embree";
+  if (o.workloads.empty()) o.workloads = {"primary", "ambient-occlusion"};
+  const Registry& registry = Registry::instance();
+  PipelineSpec spec;
+  spec.label = o.builder;
+  spec.builder = registry.ref(Role::builder, o.builder);
+  for (const std::string& name : o.optimizers) spec.optimizers.push_back(registry.ref(Role::optimizer, name));
+  const Pipeline pipeline(spec);
+  const std::unique_ptr<Tracer> tracer = choose_tracer(o, registry.get(Role::builder, o.builder).info.accel);
+  const std::vector<MethodRef> workloads = o.heat_map ? choose_workloads(o) : std::vector<MethodRef>{};
+
+  Progress progress("render", 1);
+  progress.update(0, "opening the scene");
+  const Scene scene = open_scene(o.scene, o.triangles, o.seed);
+  const Camera& camera = scene.camera(o.camera);
+  BuildContext context;
+  context.threads = o.threads;
+  context.seed = o.seed;
+  StageTimes times;
+  const std::unique_ptr<Accel> accel =
+      pipeline.run(scene, context, times, [&progress](std::string_view stage) { progress.update(0, stage); });
+  const std::unique_ptr<TraceSession> session = tracer->prepare(*accel, scene, o.threads, false);
+
+  const bool raw = o.output.ends_with(".exr");
+  Image image;
+  if (o.heat_map) {
+    image = make_heat_map(scene, o, workloads, *session, raw, progress);
+  } else {
+    image = render_shaded(scene, camera, *session,
+                          {.width = o.width,
+                           .height = o.height,
+                           .samples = o.samples,
+                           .ambient_rays = o.ambient_rays,
+                           .seed = o.seed,
+                           .progress = [&progress](double share) { progress.update(share, "tracing"); }});
+    if (!raw) image = tone_mapped(image, o.exposure);
+  }
+  write_image(o.output, image);
+  fmt::print("{}: {} of {} triangles, camera '{}'\n", o.output, scene.name, scene.triangles.size(), camera.name);
+  return exit_ok;
+}
+
+const Verb verb{"render", "A picture of a scene: shaded, or a heat map of traversal steps", [](CLI::App& app) {
+                  auto options = std::make_shared<Options>();
+                  declare(app, *options);
+                  return [options] { return render(*options); };
+                }};
+
+}  // namespace
+}  // namespace raystudy::cli
