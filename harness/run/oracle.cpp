@@ -86,8 +86,7 @@ ReferenceTracer::ReferenceTracer(const Scene& scene, int threads) {
   const Registry& registry = Registry::instance();
   BuildContext context;
   context.threads = threads;
-  accel_ = registry.create<Builder>(registry.ref(Role::builder, "embree", {{"quality", std::string("high")}, {"robust", true}}))
-               ->build(scene, context);
+  accel_ = registry.create<Builder>(registry.ref(Role::builder, "embree", {{"robust", true}}))->build(scene, context);
   session_ = registry.create<Tracer>(registry.ref(Role::tracer, "embree"))->prepare(*accel_, scene, threads, false);
 }
 

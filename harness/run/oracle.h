@@ -53,7 +53,7 @@ class Oracle {
 [[nodiscard]] OracleReport check_hits(const Scene& scene, std::span<const Ray> rays, std::span<const Hit> hits,
                                       std::span<const Hit> reference, Query query, std::size_t samples = 64);
 
-/// Embree, high quality and robust, single rays: what whole buffers are compared with. Made from the registry, as the harness
+/// Embree, robust, single rays: what whole buffers are compared with. Made from the registry, as the harness
 /// does not link Embree. The scene must outlive it.
 class ReferenceTracer {
  public:

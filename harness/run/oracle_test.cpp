@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "harness/geometry/sampling.h"
-#include "harness/geometry/watertight.h"
+#include "tests/support/brute_force.h"
 
 namespace raystudy {
 namespace {
@@ -44,20 +44,6 @@ Scene bumpy_sphere(Vec3 center, float radius, std::uint32_t rings = 12) {
     }
   }
   return make(std::move(vertices), std::move(triangles));
-}
-
-std::vector<Hit> brute_force(const Scene& scene, std::span<const Ray> rays) {
-  std::vector<Hit> hits(rays.size());
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const ShearedRay ray(rays[i]);
-    for (std::uint32_t t = 0; ray.valid && t < scene.triangles.size(); ++t) {
-      const Triangle& v = scene.triangles[t];
-      TriangleHit found;
-      const PackedTriangle packed(scene.vertices[v[0]], scene.vertices[v[1]], scene.vertices[v[2]]);
-      if (intersect(ray, packed, std::min(hits[i].t, rays[i].tmax), found)) hits[i] = {found.t, t, found.u, found.v};
-    }
-  }
-  return hits;
 }
 
 std::vector<Ray> rays_into(const Scene& scene, std::size_t count) {
@@ -99,7 +85,10 @@ TEST(ExactOracle, ToleranceByHand) {
 class PlantedHits : public testing::Test {
  protected:
   PlantedHits()
-      : scene(bumpy_sphere({1, 2, 3}, 2)), rays(rays_into(scene, 2000)), reference(brute_force(scene, rays)), hits(reference) {
+      : scene(bumpy_sphere({1, 2, 3}, 2)),
+        rays(rays_into(scene, 2000)),
+        reference(test::closest_hits(scene, rays)),
+        hits(reference) {
     while (!reference[index].is_hit()) ++index;
   }
   OracleReport check(Query query = Query::closest_hit) { return check_hits(scene, rays, hits, reference, query); }
@@ -159,9 +148,9 @@ TEST_F(PlantedHits, WeightsSwapped) {
 TEST_F(PlantedHits, FartherHitThroughTheSphere) {
   // A ray from outside: the far side instead of the near one.
   Ray ray{{-5, 2.1F, 3.1F}, 0, {1, 0, 0}, 100};
-  const Hit near = brute_force(scene, {&ray, 1})[0];
+  const Hit near = test::closest_hits(scene, {&ray, 1})[0];
   ray.tmin = near.t + 0.1F;
-  const Hit far = brute_force(scene, {&ray, 1})[0];
+  const Hit far = test::closest_hits(scene, {&ray, 1})[0];
   ray.tmin = 0;
   ASSERT_TRUE(far.is_hit());
   ASSERT_NE(far.triangle, near.triangle);
@@ -236,7 +225,7 @@ TEST(Oracle, RobustEmbreeAgreesWithBruteForce) {
   const std::vector<Ray> rays = rays_into(scene, 5000);
   std::vector<Hit> reference(rays.size());
   ReferenceTracer(scene, 1).trace(rays, reference, Query::closest_hit);
-  const std::vector<Hit> hits = brute_force(scene, rays);
+  const std::vector<Hit> hits = test::closest_hits(scene, rays);
   const OracleReport report = check_hits(scene, rays, hits, reference, Query::closest_hit);
   EXPECT_TRUE(report.ok()) << report.text(rays, Query::closest_hit);
   EXPECT_LT(report.disputed, 5U);

@@ -5,8 +5,9 @@
 #include <random>
 
 #include "harness/accel/validate.h"
-#include "harness/geometry/watertight.h"
 #include "harness/method/registry.h"
+#include "tests/support/brute_force.h"
+#include "tests/support/trees.h"
 
 namespace raystudy {
 namespace {
@@ -27,57 +28,6 @@ Scene soup(int triangles, float size, std::uint32_t seed) {
   scene.triangles = SharedArray<Triangle>(std::move(list));
   finish_scene(scene, "soup");
   return scene;
-}
-
-/// A valid tree of random shape: every split falls anywhere, whole runs of triangles may share a leaf.
-class RandomTree {
- public:
-  RandomTree(const Scene& scene, std::uint32_t seed, std::uint32_t most_in_leaf)
-      : scene_(scene), random_(seed), most_(most_in_leaf) {
-    bvh.triangles.resize(scene.triangles.size());
-    std::iota(bvh.triangles.begin(), bvh.triangles.end(), 0U);
-    std::shuffle(bvh.triangles.begin(), bvh.triangles.end(), random_);
-    bvh.nodes.resize(2);
-    split(0, 0, static_cast<std::uint32_t>(bvh.triangles.size()));
-  }
-  Bvh2 bvh;
-
- private:
-  void split(std::size_t node, std::uint32_t begin, std::uint32_t end) {
-    if (end - begin <= most_) {
-      Box box;
-      for (std::uint32_t i = begin; i < end; ++i) box.extend(scene_.triangle_box(bvh.triangles[i]));
-      bvh.nodes[node] = {box, begin, end - begin};
-      return;
-    }
-    const std::uint32_t middle = begin + 1 + static_cast<std::uint32_t>(random_() % (end - begin - 1));
-    const auto child = static_cast<std::uint32_t>(bvh.nodes.size());
-    bvh.nodes.resize(child + 2);
-    split(child, begin, middle);
-    split(child + 1, middle, end);
-    bvh.nodes[node] = {united(bvh.nodes[child].box, bvh.nodes[child + 1].box), child, 0};
-  }
-  const Scene& scene_;
-  std::mt19937 random_;
-  std::uint32_t most_;
-};
-
-std::vector<Hit> brute_force(const Scene& scene, std::span<const Ray> rays) {
-  std::vector<Hit> hits;
-  for (const Ray& ray : rays) {
-    Hit best;
-    best.t = ray.tmax;
-    const ShearedRay sheared(ray);
-    for (std::uint32_t t = 0; sheared.valid && t < scene.triangles.size(); ++t) {
-      const Triangle& v = scene.triangles[t];
-      TriangleHit found;
-      const PackedTriangle packed(scene.vertices[v[0]], scene.vertices[v[1]], scene.vertices[v[2]]);
-      if (intersect(sheared, packed, best.t, found) && (found.t < best.t || !best.is_hit()))
-        best = {found.t, t, found.u, found.v};
-    }
-    hits.push_back(best.is_hit() ? best : Hit{});
-  }
-  return hits;
 }
 
 std::vector<Ray> random_rays(int count, std::uint32_t seed) {
@@ -115,13 +65,13 @@ void expect_same(std::span<const Hit> expected, std::span<const Hit> found) {
 TEST(Scalar, HitsDoNotDependOnTheTree) {
   const Scene scene = soup(300, 0.3F, 1);
   const std::vector<Ray> rays = random_rays(3000, 2);
-  const std::vector<Hit> expected = brute_force(scene, rays);
+  const std::vector<Hit> expected = test::closest_hits(scene, rays);
   EXPECT_GT(std::count_if(expected.begin(), expected.end(), [](const Hit& h) { return h.is_hit(); }), 1000);
   for (std::uint32_t seed = 0; seed < 6; ++seed) {
-    const RandomTree tree(scene, seed, seed % 3 == 0 ? 1 : 5);
-    ASSERT_TRUE(find_problems(tree.bvh, scene).empty());
+    const Bvh2 tree = test::random_tree(scene, seed, seed % 3 == 0 ? 1 : 5);
+    ASSERT_TRUE(find_problems(tree, scene).empty());
     for (const int threads : {1, 2}) {
-      const auto session = prepare(tree.bvh, scene, threads);
+      const auto session = prepare(tree, scene, threads);
       std::vector<Hit> hits(rays.size());
       session->trace(rays, hits, Query::closest_hit);
       expect_same(expected, hits);
@@ -140,9 +90,9 @@ TEST(Scalar, EqualDistancesGoToTheLowestTriangle) {
   ray.origin = {0, 0, -1};
   ray.direction = {0, 0, 1};
   for (std::uint32_t seed = 0; seed < 5; ++seed) {
-    const RandomTree tree(scene, seed, 2);
+    const Bvh2 tree = test::random_tree(scene, seed, 2);
     Hit hit;
-    prepare(tree.bvh, scene, 1)->trace({&ray, 1}, {&hit, 1}, Query::closest_hit);
+    prepare(tree, scene, 1)->trace({&ray, 1}, {&hit, 1}, Query::closest_hit);
     EXPECT_EQ(hit.triangle, 0U);
     EXPECT_EQ(hit.t, 1.0F);
   }
@@ -178,12 +128,12 @@ TEST(Scalar, CountsByHand) {
 
 TEST(Scalar, CountsAreTheSameForAnyThreads) {
   const Scene scene = soup(500, 0.2F, 3);
-  const RandomTree tree(scene, 1, 2);
+  const Bvh2 tree = test::random_tree(scene, 1, 2);
   const std::vector<Ray> rays = random_rays(5000, 5);
   std::vector<std::uint32_t> one(rays.size());
   std::vector<std::uint32_t> two(rays.size());
-  const TraceCounts a = prepare(tree.bvh, scene, 1)->count(rays, Query::closest_hit, one);
-  const TraceCounts b = prepare(tree.bvh, scene, 2)->count(rays, Query::closest_hit, two);
+  const TraceCounts a = prepare(tree, scene, 1)->count(rays, Query::closest_hit, one);
+  const TraceCounts b = prepare(tree, scene, 2)->count(rays, Query::closest_hit, two);
   EXPECT_EQ(one, two);
   EXPECT_EQ(a.triangle_tests, b.triangle_tests);
   EXPECT_EQ(a.traversal_steps(), b.traversal_steps());
@@ -239,7 +189,7 @@ TEST(Scalar, TreeAsDeepAsItHasLeaves) {
 
 TEST(Scalar, EmptyTreeAndInvalidRaysHitNothing) {
   const Scene scene = soup(10, 1, 1);
-  const RandomTree tree(scene, 1, 2);
+  const Bvh2 tree = test::random_tree(scene, 1, 2);
   constexpr float nan = std::numeric_limits<float>::quiet_NaN();
   constexpr float infinity = std::numeric_limits<float>::infinity();
   std::vector<Ray> rays(6);
@@ -252,7 +202,7 @@ TEST(Scalar, EmptyTreeAndInvalidRaysHitNothing) {
   rays[5] = {{0, 0, 0}, 2, {0, 0, 1}, 1};
   for (const Query query : {Query::closest_hit, Query::any_hit}) {
     std::vector<Hit> hits(rays.size(), Hit{1, 1, 1, 1});
-    prepare(tree.bvh, scene, 1)->trace(rays, hits, query);
+    prepare(tree, scene, 1)->trace(rays, hits, query);
     for (const Hit& hit : hits) EXPECT_FALSE(hit.is_hit());
     const Bvh2 empty;
     hits.assign(rays.size(), Hit{1, 1, 1, 1});

@@ -7,8 +7,8 @@
 
 #include "harness/base/error.h"
 #include "harness/geometry/sampling.h"
-#include "harness/geometry/watertight.h"
 #include "harness/method/registry.h"
+#include "tests/support/brute_force.h"
 
 namespace raystudy {
 namespace {
@@ -27,23 +27,10 @@ Scene floor_and_roof() {
   return scene;
 }
 
-void closest_hits(const Scene& scene, std::span<const Ray> rays, std::span<Hit> hits) {
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    hits[i] = {};
-    const ShearedRay ray(rays[i]);
-    for (std::uint32_t t = 0; t < scene.triangles.size(); ++t) {
-      const Triangle& v = scene.triangles[t];
-      TriangleHit found;
-      const PackedTriangle packed(scene.vertices[v[0]], scene.vertices[v[1]], scene.vertices[v[2]]);
-      if (intersect(ray, packed, std::min(hits[i].t, rays[i].tmax), found)) hits[i] = {found.t, t, found.u, found.v};
-    }
-  }
-}
-
 RayBatch generate(const std::string& name, const Scene& scene, Changes changes = {}, std::uint64_t seed = 1) {
   const Registry& registry = Registry::instance();
   const auto workload = registry.create<Workload>(registry.ref(Role::workload, name, std::move(changes)));
-  return workload->generate(scene, {seed, [&](auto rays, auto hits) { closest_hits(scene, rays, hits); }});
+  return workload->generate(scene, {seed, [&](auto rays, auto hits) { test::closest_hits(scene, rays, hits); }});
 }
 
 TEST(Primary, CornersAndOrderByHand) {
@@ -149,8 +136,7 @@ TEST(AmbientOcclusion, OneOpenSceneIsNotOccludedByItself) {
   Scene scene = floor_and_roof();
   scene.triangles = SharedArray<Triangle>({{{0, 1, 2}}, {{0, 2, 3}}});
   const RayBatch batch = generate("ambient-occlusion", scene, {{"width", std::int64_t{30}}, {"height", std::int64_t{30}}});
-  std::vector<Hit> hits(batch.rays.size());
-  closest_hits(scene, batch.rays, hits);
+  const std::vector<Hit> hits = test::closest_hits(scene, batch.rays);
   EXPECT_TRUE(std::none_of(hits.begin(), hits.end(), [](const Hit& h) { return h.is_hit(); }));
 }
 
