@@ -5,10 +5,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
+#include <optional>
+#include <sstream>
 #include <utility>
 
 #include "harness/cli/plan_options.h"
 #include "harness/cli/verb.h"
+#include "harness/report/format.h"
+#include "harness/report/table.h"
 #include "harness/run/provenance.h"
 
 namespace raystudy::cli {
@@ -28,8 +32,8 @@ void require(bool right, std::string_view flag, double found, std::string_view e
   if (!right) throw Error(Diagnostic{{}, fmt::format("{} is {}", flag, found), std::string(expected), {}});
 }
 
-int run(const RunFlags& flags, const CLI::App& app) {
-  Plan plan = read_selected_plan(flags.plan);
+/// Flags in place of what the experiment says.
+void apply(const RunFlags& flags, const CLI::App& app, Plan& plan) {
   if (app.count("--timeout") > 0) {
     require(std::isfinite(flags.timeout) && flags.timeout > 0, "--timeout", flags.timeout, "a number of seconds > 0");
     plan.timeout_seconds = flags.timeout;
@@ -42,11 +46,29 @@ int run(const RunFlags& flags, const CLI::App& app) {
     require(flags.repetitions >= 1, "--repetitions", flags.repetitions, "an integer >= 1");
     plan.repetitions = flags.repetitions;
   }
+}
+
+/// Of the whole experiment, whatever part of it this run measured.
+void print_tables(const RunFlags& flags, const CLI::App& app, const Published* published) {
+  Plan plan = read_plan(flags.plan.file, read_scale(flags.plan.scale));
+  apply(flags, app, plan);
+  std::ostringstream text;
+  write_markdown(build_tables(plan, ResultSet(read_results(plan, flags.results)), published), text);
+  fmt::print("{}", text.str());
+  std::fflush(stdout);
+}
+
+int run(const RunFlags& flags, const CLI::App& app) {
+  Plan plan = read_selected_plan(flags.plan);
+  apply(flags, app, plan);
+  const std::optional<Published> published = published_of(plan);
+  check_tables(plan, published ? &*published : nullptr);
   RunOptions options;
   options.results = flags.results;
   options.force = flags.force;
   options.command = flags.command;
   const RunSummary summary = run_plan(plan, options);
+  print_tables(flags, app, published ? &*published : nullptr);
   fmt::print(stderr, "{}\n", summary.text());
   if (summary.interrupted) {
     fmt::print(stderr, "interrupted; what is measured is kept, and the same command goes on from there\n");

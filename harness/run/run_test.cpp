@@ -164,8 +164,10 @@ TEST_F(RunTest, AWrongHitOrAFailingTracerIsARowWithItsCause) {
   const RunSummary summary = run_plan(plan, options);
   EXPECT_EQ(summary.done, 2U);
   EXPECT_EQ(summary.failed, 5U);
-  EXPECT_THAT(result_of(plan, 1).reason, testing::StartsWith("wrong hit: ray 3 "));
-  EXPECT_THAT(result_of(plan, 2).reason, testing::StartsWith("wrong hit: ray 5 "));
+  EXPECT_EQ(result_of(plan, 1).reason,
+            "wrong hits: 1 of 128 closest-hit rays: ray 3 from (1.75, 1, 0.5) along (0, -1, 0), t in [0, 10]: found nothing, the "
+            "reference triangle 3 at t = 1 (u = 0.5, v = 0.25), exact arithmetic triangle 3 at t = 1");
+  EXPECT_THAT(result_of(plan, 2).reason, testing::StartsWith("wrong hits: 1 of 128 closest-hit rays: ray 5 from (2.75, 1, 0.5)"));
   EXPECT_EQ(result_of(plan, 3).reason, "crashed: SIGSEGV while tracing");
   EXPECT_EQ(result_of(plan, 4).reason, "error while tracing: lost the way");
   EXPECT_EQ(result_of(plan, 5).reason, "timed out after 1 s while tracing");

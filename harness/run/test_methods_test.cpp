@@ -126,7 +126,7 @@ class TestSession : public TraceSession {
   /// The rays go straight down onto the middle of a triangle each, one unit above.
   [[nodiscard]] Hit closest(const Ray& ray) const {
     const auto t = static_cast<std::uint32_t>(ray.origin.x * 2 - 0.5F);
-    return t < scene_.triangles.size() ? Hit{1.0F, t, 1.0F / 3, 1.0F / 3} : Hit{};
+    return t < scene_.triangles.size() ? Hit{1.0F, t, 0.5F, 0.25F} : Hit{};
   }
   const Scene& scene_;
   std::string behaviour_;

@@ -33,6 +33,15 @@ std::string out_of_memory(const Plan& plan, std::string_view stage) {
   return plan.memory_limit_bytes > 0 ? fmt::format("{} (limit {})", text, bytes_text(plan.memory_limit_bytes)) : text;
 }
 
+/// The first wrong hit is enough for a row's reason.
+void require_right(OracleReport report, const RayBatch& batch) {
+  if (report.ok()) return;
+  report.examples.resize(1);
+  std::string text = report.text(batch.rays, batch.query);
+  const std::size_t line = text.find("\n  ");
+  throw WrongResult(line == std::string::npos ? text : text.replace(line, 3, ": "));
+}
+
 }  // namespace
 
 /// Tells the board what comes, and adds what the stage before took to its own account.
@@ -96,7 +105,8 @@ void Worker::make_rays() {
   }
   for (const std::size_t w : wanted) {
     const bool made = guarded(Spent::set_up, Scope::workload, w, "making the rays", [this, w] {
-      if (!reference_) reference_ = std::make_unique<Reference>(*scene_, plan_.threads);
+      if (!reference_) reference_ = std::make_unique<ReferenceTracer>(*scene_, plan_.threads);
+      if (!oracle_) oracle_ = std::make_unique<Oracle>(*scene_);
       WorkloadContext context;
       context.seed = plan_.seed;
       context.closest_hits = [this](std::span<const Ray> rays, std::span<Hit> hits) {
@@ -206,10 +216,7 @@ void Worker::check_trace(PipelineWork& work, std::size_t cell) {
     std::vector<Hit> hits(count);
     trace->session->trace(rays.batch.rays, hits, rays.batch.query);
     announce(Scope::cell, cell, "checking hits");
-    if (const std::string wrong = find_wrong_hit(*scene_, rays.batch.rays, rays.batch.query, rays.reference, hits);
-        !wrong.empty()) {
-      throw WrongResult(fmt::format("wrong hit: {}", wrong));
-    }
+    require_right(oracle_->check(rays.batch.rays, hits, rays.reference, rays.batch.query), rays.batch);
     const auto met = std::count_if(hits.begin(), hits.end(), [](const Hit& h) { return h.is_hit(); });
     trace->result.values["ray_count"] = exact("1", static_cast<double>(count));
     trace->result.values["hit_share"] = exact("1", static_cast<double>(met) / static_cast<double>(count));

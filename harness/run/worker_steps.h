@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,13 +15,19 @@
 #include "harness/method/method.h"
 #include "harness/run/board.h"
 #include "harness/run/message.h"
+#include "harness/run/oracle.h"
 #include "harness/run/pipeline.h"
-#include "harness/run/reference.h"
 #include "harness/run/result.h"
 #include "harness/run/timing.h"
 #include "harness/run/worker.h"
 
 namespace raystudy {
+
+/// A method's result is wrong: reported as it is, without "error while".
+class WrongResult : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 struct Rays {
   RayBatch batch;
@@ -77,7 +84,8 @@ class Worker {
   const MessageSender& sender_;
   std::optional<Scene> scene_;
   BuildContext context_;
-  std::unique_ptr<Reference> reference_;
+  std::unique_ptr<ReferenceTracer> reference_;
+  std::unique_ptr<Oracle> oracle_;
   std::map<std::size_t, Rays> rays_;  ///< by workload
   std::vector<Hit> hits_;             ///< of the trace that is being timed
   std::map<std::pair<Scope, std::size_t>, double> spent_;
