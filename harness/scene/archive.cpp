@@ -114,4 +114,16 @@ std::optional<Bytes> read_archived(const Bytes& archive, std::string_view name, 
   return std::nullopt;
 }
 
+Bytes read_inside(const Bytes& archive, std::string_view name, std::string_view inner) {
+  const std::vector<std::string> entries = list_archived(archive, name);
+  for (const std::string& entry : entries) {
+    const bool leads_inside = inner.size() > entry.size() && inner.starts_with(entry) && inner[entry.size()] == '/';
+    if (inner != entry && !leads_inside) continue;
+    const Bytes bytes = *read_archived(archive, name, entry);
+    return leads_inside ? read_inside(bytes, fmt::format("{}/{}", name, entry), inner.substr(entry.size() + 1)) : bytes;
+  }
+  throw Error(
+      Diagnostic{{std::string(name), 0, 0}, fmt::format("the archive holds no '{}'", inner), {}, nearest_name(inner, entries)});
+}
+
 }  // namespace raystudy

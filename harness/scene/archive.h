@@ -21,5 +21,8 @@ namespace raystudy {
 [[nodiscard]] std::vector<std::string> list_archived(const Bytes& archive, std::string_view name);
 /// The content of one file of an archive; nothing where there is none of that name. Throws Error.
 [[nodiscard]] std::optional<Bytes> read_archived(const Bytes& archive, std::string_view name, std::string_view entry);
+/// A file inside an archive, through archives in it (`data.tar.xz/usr/share/pak1.pk3/maps/a.bsp`); compressed streams on the way
+/// are unpacked, the file itself comes as it is. Throws Error, with the nearest name where there is no such file.
+[[nodiscard]] Bytes read_inside(const Bytes& archive, std::string_view name, std::string_view inner);
 
 }  // namespace raystudy

@@ -27,7 +27,7 @@ struct CatalogEntry {
   std::string source;                ///< where the model comes from
   std::string licence;               ///< its terms, as far as known
   std::string by_hand;               ///< how to add the file where no registry has it; may be empty
-  std::int64_t triangles = 0;        ///< exact; a file with another count is refused
+  std::int64_t triangles = 0;        ///< exact: a file with another count is refused; 0 (by-hand scenes only): not known
   std::vector<CatalogFile> files;    ///< the same scene in several forms; the first that is at hand is read
   std::vector<CatalogFile> frames;   ///< a `.f32` sequence, or one model a frame, all with the scene's topology
   std::optional<Material> material;  ///< of every triangle, instead of the file's own
@@ -47,6 +47,9 @@ struct Catalog {
 [[nodiscard]] std::filesystem::path catalog_path();
 /// Throws one Error with every mistake of the file, each with line and column and the nearest valid key.
 [[nodiscard]] Catalog read_catalog(const std::filesystem::path& file);
+
+/// The entry of that name. Throws Error with the nearest name, procedural scenes included.
+[[nodiscard]] const CatalogEntry& catalog_entry(const Catalog& catalog, std::string_view name);
 
 /// `$XDG_CACHE_HOME/raystudy`, else `$HOME/.cache/raystudy`; nothing where neither variable is set.
 [[nodiscard]] std::optional<std::filesystem::path> user_cache();

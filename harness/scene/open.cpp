@@ -24,7 +24,7 @@ Scene open_entry(const CatalogEntry& entry) {
   const FileToRead model = to_read(*file, entry);
   const std::string path = model.path.string();
   Scene scene = load_scene(model, frames);
-  if (static_cast<std::int64_t>(scene.triangles.size()) != entry.triangles) {
+  if (entry.triangles != 0 && static_cast<std::int64_t>(scene.triangles.size()) != entry.triangles) {
     throw Error(Diagnostic{{path, 0, 0},
                            fmt::format("scene '{}' has {} triangles", entry.name, scene.triangles.size()),
                            fmt::format("{}, as {} says", entry.triangles, entry.where.text()),
@@ -53,18 +53,21 @@ std::string not_installed_text(const CatalogEntry& entry) {
                          : entry.by_hand);
 }
 
-Scene open_scene(std::string_view name, std::int64_t triangles, std::uint64_t seed) {
-  if (name.find('/') != std::string_view::npos) return read_scene(name);
+const CatalogEntry& catalog_entry(const Catalog& catalog, std::string_view name) {
+  if (const CatalogEntry* entry = catalog.find(name)) return *entry;
   std::vector<std::string> known;
-  for (const ProceduralInfo& info : procedural_scenes()) {
-    if (info.name == name) return make_procedural(name, triangles, seed);
-    known.push_back(info.name);
-  }
-  const Catalog catalog = read_catalog(catalog_path());
-  if (const CatalogEntry* entry = catalog.find(name)) return open_entry(*entry);
+  for (const ProceduralInfo& info : procedural_scenes()) known.push_back(info.name);
   for (const CatalogEntry& entry : catalog.entries) known.push_back(entry.name);
   throw Error(Diagnostic{
       {}, fmt::format("there is no scene '{}'", name), "a name that 'raystudy scene list' shows", nearest_name(name, known)});
+}
+
+Scene open_scene(std::string_view name, std::int64_t triangles, std::uint64_t seed) {
+  if (name.find('/') != std::string_view::npos) return read_scene(name);
+  for (const ProceduralInfo& info : procedural_scenes()) {
+    if (info.name == name) return make_procedural(name, triangles, seed);
+  }
+  return open_entry(catalog_entry(read_catalog(catalog_path()), name));
 }
 
 }  // namespace raystudy
