@@ -49,17 +49,6 @@ struct WideBox {
   return {hn::Min(a.lower, b.lower), hn::Max(a.upper, b.upper)};
 }
 
-/// `acc` grown by four boxes one after another, with every state on the way. The first two boxes are united apart from `acc`, so
-/// that the chain of dependent instructions is two a step instead of four.
-struct FourStates {
-  WideBox state[4];
-  FourStates(const WideBox& acc, const WideBox& b0, const WideBox& b1, const WideBox& b2, const WideBox& b3)
-      : state{united(acc, b0), united(acc, united(b0, b1)), {}, {}} {
-    state[2] = united(state[1], b2);
-    state[3] = united(state[1], united(b2, b3));
-  }
-};
-
 /// Box::half_area of four boxes, bit for bit.
 [[nodiscard]] inline hn::Vec<Float4> half_areas(const WideBox& b0, const WideBox& b1, const WideBox& b2, const WideBox& b3) {
   const Float4 d;
@@ -76,6 +65,22 @@ struct FourStates {
   const auto y = hn::ConcatUpperUpper(d, xy23, xy01);
   const auto z = hn::ConcatLowerLower(d, z23, z01);
   return hn::Add(hn::Add(hn::Mul(x, y), hn::Mul(y, z)), hn::Mul(z, x));
+}
+
+/// Grows `acc` by four boxes one after another and returns the half areas of the four states on the way: of the first in lane 0,
+/// or with `reversed` of the first in lane 3.
+template <bool reversed>
+[[nodiscard]] inline hn::Vec<Float4> grow(WideBox& acc, const WideBox& b0, const WideBox& b1, const WideBox& b2,
+                                          const WideBox& b3) {
+  // Two boxes are united apart from `acc`: the chain of dependent instructions is then two a step instead of four.
+  const WideBox s0 = united(acc, b0);
+  const WideBox s1 = united(acc, united(b0, b1));
+  const WideBox s2 = united(s1, b2);
+  const WideBox s3 = united(s1, united(b2, b3));
+  // Half by half: copied whole, the box would take a detour through memory, a wide load after two narrow stores.
+  acc.lower = s3.lower;
+  acc.upper = s3.upper;
+  return reversed ? half_areas(s3, s2, s1, s0) : half_areas(s0, s1, s2, s3);
 }
 
 }  // namespace raystudy::topdown

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "harness/method/method.h"
@@ -43,7 +44,7 @@ class SweepBuild {
  private:
   /// Triangles and their orders, from `origin` in the final order of triangles. `lists` hold indices into `records` and `sides`.
   struct View {
-    const BoxRecord* records;
+    BoxRecord* records;
     std::vector<std::uint32_t*> lists;
     std::uint8_t* sides;  ///< of each record while a node is divided: 1 if it goes right
     std::uint32_t origin;
@@ -69,7 +70,8 @@ class SweepBuild {
     std::unique_ptr<std::uint32_t[]> indices_;
   };
 
-  static constexpr std::uint32_t large = 16384;  ///< smaller subtrees are one task
+  static constexpr std::uint32_t large = 8192;  ///< smaller subtrees are one task
+  static constexpr std::uint32_t tiny = 512;    ///< smaller subtrees are copied together again, for the nearest cache
 
   /// Splits nodes while they are large, and gives the smaller child of each away as a task. No recursion: a tree may be as deep
   /// as it has triangles.
@@ -87,14 +89,59 @@ class SweepBuild {
     build_small(s, view);
   }
 
-  void build_small(Subtree top, const View& view) {
+  /// A copy of a small subtree's boxes with orders that refer to it, so that the sweeps below find them in a near cache.
+  class Local {
+   public:
+    Local(std::size_t capacity, int orders)
+        : records_(std::make_unique_for_overwrite<BoxRecord[]>(capacity)),
+          sides_(std::make_unique_for_overwrite<std::uint8_t[]>(capacity)),
+          indices_(std::make_unique_for_overwrite<std::uint32_t[]>(capacity * static_cast<std::size_t>(orders))),
+          view_{records_.get(), {}, sides_.get(), 0} {
+      for (int order = 0; order < orders; ++order)
+        view_.lists.push_back(indices_.get() + static_cast<std::size_t>(order) * capacity);
+    }
+
+    const View& hold(const Subtree& s, const View& from) {
+      const std::uint32_t* first = from.lists[0] + (s.begin - from.origin);
+      for (std::uint32_t i = 0; i < s.count; ++i) {
+        BoxRecord& record = from.records[first[i]];
+        records_[i] = record;
+        record.rank = i;
+        view_.lists[0][i] = i;
+      }
+      for (std::size_t order = 1; order < view_.lists.size(); ++order) {
+        const std::uint32_t* list = from.lists[order] + (s.begin - from.origin);
+        for (std::uint32_t i = 0; i < s.count; ++i) view_.lists[order][i] = from.records[list[i]].rank;
+      }
+      view_.origin = s.begin;
+      return view_;
+    }
+
+   private:
+    std::unique_ptr<BoxRecord[]> records_;
+    std::unique_ptr<std::uint8_t[]> sides_;
+    std::unique_ptr<std::uint32_t[]> indices_;
+    View view_;
+  };
+
+  void build_small(const Subtree& top, const View& view) {
     Scratch scratch(top.count);
+    Local local(top.count, orders_.count());
+    Local tiny_local(std::min(top.count, tiny), orders_.count());
+    build_local(top, local.hold(top, view), scratch, &tiny_local);
+  }
+
+  void build_local(const Subtree& top, const View& view, Scratch& scratch, Local* tiny_local) {
     std::vector<Subtree> stack{top};
     while (!stack.empty()) {
       const Subtree s = stack.back();
       stack.pop_back();
-      if (s.count == 1) {
-        make_leaf(s, view);
+      if (s.count <= 2) {
+        build_pair(s, view);
+        continue;
+      }
+      if (tiny_local != nullptr && s.count <= tiny) {
+        build_local(s, tiny_local->hold(s, view), scratch, nullptr);
         continue;
       }
       const Split split = find_split(s, view, scratch);
@@ -119,9 +166,33 @@ class SweepBuild {
     bvh_.nodes[s.node] = {box.box(), s.begin, s.count};
   }
 
+  /// One triangle, or two, which fall apart in one way only.
+  void build_pair(const Subtree& s, const View& view) {
+    if (s.count == 1) return make_leaf(s, view);
+    const OrderedBoxes boxes = ordered(s, view, 0);
+    const Box left = boxes[0].box();
+    const Box right = boxes[1].box();
+    const Box box = united(left, right);
+    if (leaves_.sah && leaves_.is_leaf(2, measure_(box), measure_(left) + measure_(right))) return make_leaf(s, view);
+    bvh_.nodes[s.node] = {box, s.pairs, 0};
+    bvh_.nodes[s.pairs] = {left, s.begin, 1};
+    bvh_.nodes[s.pairs + 1] = {right, s.begin + 1, 1};
+    bvh_.triangles[s.begin] = view.records[boxes.list[0]].triangle;
+    bvh_.triangles[s.begin + 1] = view.records[boxes.list[1]].triangle;
+  }
+
   /// The best split of one order, and, with `order` 0, the node's box.
   Split best_of_order(const Subtree& s, const View& view, int order, Scratch& scratch, Box* box) {
     const OrderedBoxes boxes = ordered(s, view, order);
+    if constexpr (std::is_same_v<M, SurfaceArea>) {
+      if (s.count <= 4) {
+        WideBox all = WideBox::empty();
+        Split split{0, 0, order};
+        split.cost = best_of_few(measure_, boxes, all, split.left);
+        if (order == 0) *box = all.box();
+        return split;
+      }
+    }
     float* measures = scratch.measures();
     const WideBox all = suffix_measures(measure_, boxes, measures);
     if (order == 0) *box = all.box();

@@ -32,14 +32,11 @@ inline WideBox suffix_measures(const SurfaceArea&, const OrderedBoxes& boxes, fl
   WideBox acc = WideBox::empty();
   std::uint32_t end = boxes.n;
   for (; end >= 4; end -= 4) {
-    const FourStates s(acc, boxes[end - 1], boxes[end - 2], boxes[end - 3], boxes[end - 4]);
-    acc = s.state[3];
-    hn::StoreU(half_areas(s.state[3], s.state[2], s.state[1], s.state[0]), d, measures + end - 4);
+    hn::StoreU(grow<true>(acc, boxes[end - 1], boxes[end - 2], boxes[end - 3], boxes[end - 4]), d, measures + end - 4);
   }
-  if (end > 0) {
-    const FourStates s(acc, boxes[end - 1], boxes[end > 1 ? end - 2 : 0], boxes[end > 2 ? end - 3 : 0], boxes[0]);
-    acc = s.state[3];
-    hn::StoreU(half_areas(s.state[3], s.state[2], s.state[1], s.state[0]), d, measures + end - 4);  // into the slack before
+  if (end > 0) {  // stores into the slack before
+    const auto m = grow<true>(acc, boxes[end - 1], boxes[end > 1 ? end - 2 : 0], boxes[end > 2 ? end - 3 : 0], boxes[0]);
+    hn::StoreU(m, d, measures + end - 4);
   }
   return acc;
 }
@@ -54,24 +51,63 @@ inline float split_costs(const SurfaceArea&, const OrderedBoxes& boxes, float* m
   auto right = hn::Sub(hn::Set(di, static_cast<std::int32_t>(boxes.n)), left);
   auto least = infinity;
   WideBox acc = WideBox::empty();
-  const auto costs = [&](std::uint32_t i, const FourStates& s) {
-    acc = s.state[3];
-    const auto left_cost = hn::Mul(half_areas(s.state[0], s.state[1], s.state[2], s.state[3]), hn::ConvertTo(d, left));
+  const auto costs = [&](std::uint32_t i, const WideBox& b0, const WideBox& b1, const WideBox& b2, const WideBox& b3) {
+    const auto left_cost = hn::Mul(grow<false>(acc, b0, b1, b2, b3), hn::ConvertTo(d, left));
     const auto right_cost = hn::Mul(hn::LoadU(d, measures + i + 1), hn::ConvertTo(d, right));
     return hn::Add(left_cost, right_cost);
   };
   std::uint32_t i = 0;
   for (; i + 4 < boxes.n; i += 4) {
-    const auto cost = costs(i, FourStates(acc, boxes[i], boxes[i + 1], boxes[i + 2], boxes[i + 3]));
+    const auto cost = costs(i, boxes[i], boxes[i + 1], boxes[i + 2], boxes[i + 3]);
     hn::StoreU(cost, d, measures + i + 1);
     least = hn::Min(cost, least);  // in this order minps drops a cost that is not a number
     left = hn::Add(left, hn::Set(di, 4));
     right = hn::Sub(right, hn::Set(di, 4));
   }
-  const auto last = costs(i, FourStates(acc, boxes[i], boxes.clamped(i + 1), boxes.clamped(i + 2), boxes.clamped(i + 3)));
+  const auto last = costs(i, boxes[i], boxes.clamped(i + 1), boxes.clamped(i + 2), boxes.clamped(i + 3));
   const auto valid = hn::IfThenElse(hn::RebindMask(d, hn::Gt(right, hn::Zero(di))), last, infinity);
   hn::StoreU(valid, d, measures + i + 1);  // into the slack after
   return hn::GetLane(hn::MinOfLanes(d, hn::Min(valid, least)));
+}
+
+/// suffix_measures, split_costs and most_balanced in one for 3 or 4 boxes, nine inner nodes of ten being small: nothing leaves
+/// the registers. `all` becomes the union of all boxes, `left` the size of the left part of the best split.
+inline float best_of_few(const SurfaceArea&, const OrderedBoxes& boxes, WideBox& all, std::uint32_t& left) {
+  const Float4 d;
+  const WideBox b0 = boxes[0];
+  const WideBox b1 = boxes[1];
+  const WideBox b2 = boxes[2];
+  const WideBox b3 = boxes.clamped(3);
+  WideBox from_right = WideBox::empty();
+  WideBox from_left = WideBox::empty();
+  const auto suffix = grow<true>(from_right, b3, b2, b1, b0);  // lane i: boxes i to n - 1
+  const auto prefix = grow<false>(from_left, b0, b1, b2, b3);  // lane i: boxes 0 to i
+  all.lower = from_left.lower;
+  all.upper = from_left.upper;
+  const bool four = boxes.n == 4;
+  alignas(16) static constexpr float lefts[4] = {1, 2, 3, 0};
+  alignas(16) static constexpr float rights[2][4] = {{2, 1, 0, 0}, {3, 2, 1, 0}};
+  const auto right_measures = hn::ShiftRightLanes<1>(d, suffix);
+  const auto cost = hn::Add(hn::Mul(prefix, hn::Load(d, lefts)), hn::Mul(right_measures, hn::Load(d, rights[four ? 1 : 0])));
+  alignas(16) float c[4];
+  hn::Store(cost, d, c);
+  const float infinity = std::numeric_limits<float>::infinity();
+  left = 0;
+  float least = infinity;
+  const auto consider = [&](std::uint32_t i) {  // in the order in which equal costs are preferred
+    const bool less = c[i - 1] < least;
+    least = less ? c[i - 1] : least;
+    left = less ? i : left;
+  };
+  if (four) {
+    consider(2);
+    consider(1);
+    consider(3);
+  } else {
+    consider(1);
+    consider(2);
+  }
+  return least;
 }
 
 /// The same for any measure: boxes are gathered and measured a batch at a time.
