@@ -1,0 +1,188 @@
+#pragma once
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_reduce.h>
+#include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "harness/method/method.h"
+#include "methods/topdown/box_record.h"
+#include "methods/topdown/sweep_orders.h"
+#include "methods/topdown/top_down.h"
+
+namespace raystudy::topdown {
+
+/// Twice the center of a box; the factor saves a multiplication and cancels wherever centers are compared.
+[[nodiscard]] inline hn::Vec<Float4> doubled_center(const WideBox& box) { return hn::Add(box.lower, box.upper); }
+[[nodiscard]] inline float doubled_center(const BoxRecord& r, int axis) { return r.lower[axis] + r.upper[axis]; }
+
+/// The union of some triangles' boxes, and the box of their doubled centers.
+struct NodeBounds {
+  WideBox box = WideBox::empty();
+  WideBox centers = WideBox::empty();
+
+  void extend(const BoxRecord& record) {
+    const WideBox b = WideBox::of(record);
+    const auto center = doubled_center(b);
+    box.lower = hn::Min(box.lower, b.lower);
+    box.upper = hn::Max(box.upper, b.upper);
+    centers.lower = hn::Min(centers.lower, center);
+    centers.upper = hn::Max(centers.upper, center);
+  }
+};
+
+/// Nodes of at least this many triangles share their passes over triangles among threads.
+inline constexpr std::size_t shared_pass = 32768;
+
+[[nodiscard]] inline NodeBounds bounds_of(std::span<const BoxRecord> records, int threads) {
+  const auto pass = [](std::span<const BoxRecord> part, NodeBounds bounds) {
+    for (const BoxRecord& record : part) bounds.extend(record);
+    return bounds;
+  };
+  if (threads == 1 || records.size() < shared_pass) return pass(records, {});
+  // Minima and maxima are the same in any order, so that this stays deterministic.
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, records.size(), shared_pass / 4), NodeBounds{},
+      [&](const auto& r, const NodeBounds& bounds) { return pass(records.subspan(r.begin(), r.size()), bounds); },
+      [](const NodeBounds& a, const NodeBounds& b) {
+        return NodeBounds{united(a.box, b.box), united(a.centers, b.centers)};
+      });
+}
+
+/// Puts the records that `goes_left` in front of the others and returns how many they are. Without a branch, since which way a
+/// triangle goes cannot be predicted.
+template <class GoesLeft>
+std::uint32_t partition_records(std::span<BoxRecord> records, GoesLeft&& goes_left) {
+  std::uint32_t left = 0;
+  for (BoxRecord& record : records) {
+    const BoxRecord moved = record;
+    record = records[left];
+    records[left] = moved;
+    left += goes_left(moved) ? 1 : 0;
+  }
+  return left;
+}
+
+/// Puts the half of the records with the lower centers along `axis` in front of the others and returns how many they are.
+inline std::uint32_t split_at_median(std::span<BoxRecord> records, int axis) {
+  const std::size_t half = records.size() / 2;
+  std::nth_element(records.begin(), records.begin() + static_cast<std::ptrdiff_t>(half), records.end(),
+                   [axis](const BoxRecord& a, const BoxRecord& b) {
+                     const float ca = doubled_center(a, axis);
+                     const float cb = doubled_center(b, axis);
+                     return ca < cb || (ca == cb && a.triangle < b.triangle);
+                   });
+  return static_cast<std::uint32_t>(half);
+}
+
+/// A top-down build that moves the records of triangles themselves, so that every pass over a node's triangles is sequential.
+/// `Splitter` has `std::uint32_t split(std::span<BoxRecord>, const NodeBounds&)`, which puts the left child's records in front
+/// and returns their number, neither none nor all of the three or more that it is given. Each task copies it.
+template <class Splitter>
+class RecordBuild {
+ public:
+  RecordBuild(const Splitter& splitter, const LeafPolicy& leaves, const Measure& measure, std::vector<BoxRecord>& records,
+              Bvh2& bvh, int threads)
+      : splitter_(splitter), leaves_(leaves), measure_(measure), records_(records), bvh_(bvh), threads_(threads) {}
+
+  /// Fills a tree over one triangle at least.
+  void run() {
+    const auto n = static_cast<std::uint32_t>(records_.size());
+    bvh_.nodes.resize(std::size_t{2} * n);
+    bvh_.triangles.resize(n);
+    const Part root{{0, 2, 0, n}, bounds_of(records_, threads_)};
+    tbb::task_group tasks;
+    tasks.run_and_wait([&] { build_large(root, tasks); });
+    if (leaves_.sah) compact(bvh_);
+  }
+
+ private:
+  struct Part {
+    Subtree subtree;
+    NodeBounds bounds;
+  };
+
+  static constexpr std::uint32_t large = 8192;  ///< smaller subtrees are one task
+
+  void build_large(Part part, tbb::task_group& tasks) {
+    Splitter splitter = splitter_;
+    while (part.subtree.count > large) {
+      auto children = make_node(part, splitter, threads_);
+      if (children[0].subtree.count == 0) return;
+      if (children[1].subtree.count > children[0].subtree.count) std::swap(children[0], children[1]);
+      tasks.run([this, other = children[1], &tasks] { build_large(other, tasks); });
+      part = children[0];
+    }
+    std::vector<Part> stack{part};
+    while (!stack.empty()) {
+      const Part top = stack.back();
+      stack.pop_back();
+      const auto children = make_node(top, splitter, 1);
+      if (children[0].subtree.count == 0) continue;
+      stack.push_back(children[1]);
+      stack.push_back(children[0]);
+    }
+  }
+
+  /// Makes the part's node and returns its children, or two parts of no triangles where it is a leaf.
+  std::array<Part, 2> make_node(const Part& part, Splitter& splitter, int threads) {
+    const Subtree& s = part.subtree;
+    if (s.count == 1) {
+      make_leaf(part);
+      return {};
+    }
+    const auto records = std::span(records_).subspan(s.begin, s.count);
+    const std::uint32_t left = s.count == 2 ? 1 : splitter.split(records, part.bounds);
+    const std::array<Part, 2> children{Part{s.left(left), bounds_of(records.first(left), threads)},
+                                       Part{s.right(left), bounds_of(records.subspan(left), threads)}};
+    if (leaves_.sah && s.count <= leaves_.max_triangles) {
+      const std::array<Box, 3> boxes{part.bounds.box.box(), children[0].bounds.box.box(), children[1].bounds.box.box()};
+      std::array<float, 3> m{};
+      measure_.evaluate(boxes, m);
+      const float cost = m[1] * static_cast<float>(left) + m[2] * static_cast<float>(s.count - left);
+      if (leaves_.is_leaf(s.count, m[0], cost)) {
+        make_leaf(part);
+        return {};
+      }
+    }
+    bvh_.nodes[s.node] = {part.bounds.box.box(), s.pairs, 0};
+    return children;
+  }
+
+  void make_leaf(const Part& part) {
+    const Subtree& s = part.subtree;
+    for (std::uint32_t i = s.begin; i < s.begin + s.count; ++i) bvh_.triangles[i] = records_[i].triangle;
+    bvh_.nodes[s.node] = {part.bounds.box.box(), s.begin, s.count};
+  }
+
+  const Splitter& splitter_;
+  const LeafPolicy& leaves_;
+  const Measure& measure_;
+  std::vector<BoxRecord>& records_;
+  Bvh2& bvh_;
+  int threads_;
+};
+
+/// The whole of Builder::build for a splitter.
+template <class Splitter>
+std::unique_ptr<Accel> build_from_records(const Scene& scene, const BuildContext& context, const LeafPolicy& leaves,
+                                          const Measure& measure, const Splitter& splitter) {
+  auto bvh = std::make_unique<Bvh2>();
+  if (scene.triangles.empty()) return bvh;
+  tbb::task_arena arena(context.threads);
+  arena.execute([&] {
+    std::vector<BoxRecord> records = box_records(scene, context.threads);
+    RecordBuild<Splitter>(splitter, leaves, measure, records, *bvh, context.threads).run();
+  });
+  return bvh;
+}
+
+}  // namespace raystudy::topdown
