@@ -77,7 +77,7 @@ struct ColumnSpec {
   std::string tracer;    ///< TracerSpec::label, of a traced metric; else empty
   std::string workload;  ///< WorkloadSpec::label, of a traced metric; else empty
   std::string relative_to;  ///< a PipelineSpec::label whose value of the same metric divides this one
-  std::string unit;         ///< shown unit; the metric's own where YAML names none. "%" multiplies a ratio by 100
+  std::string unit;  ///< shown unit, the metric's own where YAML names none; empty for a pure number. "%" multiplies by 100
   int decimals = 2;
   std::string published;  ///< key into the paper's published table, e.g. "table1.cost"
   SourceLocation where;

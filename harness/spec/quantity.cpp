@@ -25,29 +25,30 @@ const std::vector<UnitFamily> unit_families{
     {{{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"min", 60}, {"h", 3600}}},
     {{{"bytes", 1}, {"KiB", 1024}, {"MiB", 1048576}, {"GiB", 1073741824}}},
     {{{"rays/s", 1}, {"krays/s", 1e3}, {"Mrays/s", 1e6}, {"Grays/s", 1e9}}},
-    {{{"", 1}, {"%", 0.01}, {"k", 1e3}, {"M", 1e6}}},
+    {{{"", 1}, {"1", 1}, {"%", 0.01}, {"k", 1e3}, {"M", 1e6}}},
 };
 
 }  // namespace
 
 const std::vector<Quantity>& harness_quantities() {
   static const std::vector<Quantity> all{
-      {"triangles", "", "triangles of the scene"},
+      {"triangles", "1", "triangles of the scene"},
       {"build_time", "s", "time of the builder"},
       {"optimize_time", "s", "time of all optimizers together"},
       {"encode_time", "s", "time of the encoder"},
       {"total_time", "s", "time of all stages: builder, optimizers, encoder"},
       {"peak_memory", "bytes", "most memory in use while building, over what the scene itself takes"},
-      {"cost_over_time", "", "cost of the tree while it is optimized, from the end of the builder", false, "seconds"},
+      {"cost_over_time", "1", "cost of the tree while it is optimized, from the end of the builder", false, "seconds"},
+      {"cpu_time", "s", "processor time of all stages, over all threads"},
       {"trace_time", "s", "time to trace the whole workload", true},
       {"trace_rate", "rays/s", "rays traced in a second", true},
-      {"steps_per_ray", "", "traversal steps a ray, inner nodes and leaves", true},
-      {"inner_nodes_per_ray", "", "inner nodes visited a ray", true},
-      {"leaves_per_ray", "", "leaves visited a ray", true},
-      {"box_tests_per_ray", "", "boxes tested a ray", true},
-      {"triangle_tests_per_ray", "", "triangles tested a ray", true},
-      {"hit_share", "", "share of the rays that hit something", true},
-      {"ray_count", "", "rays of the workload", true},
+      {"steps_per_ray", "1", "traversal steps a ray, inner nodes and leaves", true},
+      {"inner_nodes_per_ray", "1", "inner nodes visited a ray", true},
+      {"leaves_per_ray", "1", "leaves visited a ray", true},
+      {"box_tests_per_ray", "1", "boxes tested a ray", true},
+      {"triangle_tests_per_ray", "1", "triangles tested a ray", true},
+      {"hit_share", "1", "share of the rays that hit something", true},
+      {"ray_count", "1", "rays of the workload", true},
   };
   return all;
 }
@@ -76,7 +77,7 @@ std::vector<std::string> units_for(std::string_view from) {
   for (const UnitFamily& family : unit_families) {
     if (family.factor_of(from) == 0) continue;
     for (const Unit& unit : family.units) {
-      if (unit.name != from && !unit.name.empty()) names.emplace_back(unit.name);
+      if (unit.name != from && !unit.name.empty() && unit.name != "1") names.emplace_back(unit.name);
     }
   }
   return names;

@@ -10,7 +10,7 @@ namespace raystudy {
 /// A named figure that a cell's result can hold: what a table's column or a line figure may ask for.
 struct Quantity {
   std::string name;     ///< key in CellResult::values or ::series
-  std::string unit;     ///< "s", "bytes", "rays/s"; empty for a pure number
+  std::string unit;     ///< "s", "bytes", "rays/s"; "1" for a pure number
   std::string summary;  ///< one line
   bool traced = false;  ///< belongs to a cell with tracer and workload; else to the build
   std::string axis{};   ///< what a series runs over, e.g. "depth"; empty for a single number

@@ -108,9 +108,11 @@ class TableReader {
       column.unit = fields.text("unit");
       column.formula = fields.text("formula");
       check_formula(column, formula->where, table);
-    } else if (metric != nullptr) {
-      column.metric = fields.text("metric");
+    } else {
       read_dimensions(fields, column);
+    }
+    if (formula == nullptr && metric != nullptr) {
+      column.metric = fields.text("metric");
       complete_metric(column, metric->where,
                       unit == nullptr ? std::nullopt : std::optional(YamlEntry{fields.text("unit"), unit->where, nullptr}));
     }
@@ -156,11 +158,12 @@ class TableReader {
       reading_.report(where, fmt::format("'{}' is a series over {}", column.metric, quantity->axis),
                       "a quantity of one number in a column; a series can be drawn by a figure");
     }
-    const std::string natural = column.relative_to.empty() ? quantity->unit : std::string{};
+    const bool is_pure = !column.relative_to.empty() || quantity->unit == "1";
+    const std::string natural = is_pure ? std::string{} : quantity->unit;
     column.unit = unit ? unit->key : natural;
     if (unit && !unit_factor(natural, unit->key)) {
       reading_.report(unit->where, fmt::format("column '{}' cannot be shown in '{}'", column.name, unit->key),
-                      fmt::format("one of {}", fmt::join(units_for(natural), ", ")));
+                      fmt::format("one of {}", fmt::join(units_for(is_pure ? "1" : natural), ", ")));
     }
     if (!by_method_ && column.method.empty()) {
       column.method = lookup_.the_only(plan_.pipelines, where, fmt::format("column '{}'", column.name), "method").value_or("?");

@@ -108,7 +108,7 @@ Fields::Fields(Reading& reading, const YamlNode& node, std::string owner)
 }
 
 const YamlNode* Fields::find(std::string_view key) {
-  asked_.emplace_back(key);
+  if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.emplace_back(key);
   const YamlNode* found = node_->find(key);
   return found == nullptr ? nullptr : &reading_.at_scale(*found);
 }
