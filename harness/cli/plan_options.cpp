@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
+
 #include "harness/spec/cells.h"
 
 namespace raystudy::cli {
@@ -12,6 +14,11 @@ void add_plan_options(CLI::App& app, PlanOptions& options) {
       ->capture_default_str();
   app.add_option("--only", options.only, "cells whose scene/method/tracer/workload matches, * standing for anything");
   app.add_option("--shard", options.shard, "i/n: every n-th scene from the i-th on, for n machines");
+}
+
+std::string default_results() {
+  const char* folder = std::getenv("RAYSTUDY_RESULTS");
+  return folder != nullptr && *folder != '\0' ? folder : "results";
 }
 
 Scale read_scale(const std::string& name) {

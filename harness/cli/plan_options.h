@@ -19,6 +19,8 @@ struct PlanOptions {
 void add_plan_options(CLI::App& app, PlanOptions& options);
 /// Reads the plan and keeps the cells asked for. Throws Error.
 [[nodiscard]] Plan read_selected_plan(const PlanOptions& options);
+/// RAYSTUDY_RESULTS, or the folder `results` here.
+[[nodiscard]] std::string default_results();
 /// Throws Error with the nearest scale.
 [[nodiscard]] Scale read_scale(const std::string& name);
 

@@ -3,16 +3,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdlib>
+#include <iostream>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 #include "harness/cli/plan_options.h"
 #include "harness/cli/verb.h"
-#include "harness/report/format.h"
-#include "harness/report/table.h"
+#include "harness/report/report.h"
 #include "harness/run/provenance.h"
 
 namespace raystudy::cli {
@@ -49,13 +47,11 @@ void apply(const RunFlags& flags, const CLI::App& app, Plan& plan) {
 }
 
 /// Of the whole experiment, whatever part of it this run measured.
-void print_tables(const RunFlags& flags, const CLI::App& app, const Published* published) {
+void print_report(const RunFlags& flags, const CLI::App& app) {
   Plan plan = read_plan(flags.plan.file, read_scale(flags.plan.scale));
   apply(flags, app, plan);
-  std::ostringstream text;
-  write_markdown(build_tables(plan, ResultSet(read_results(plan, flags.results)), published), text);
-  fmt::print("{}", text.str());
-  std::fflush(stdout);
+  print_tables(Report(std::move(plan), flags.results), std::cout);
+  std::cout.flush();
 }
 
 int run(const RunFlags& flags, const CLI::App& app) {
@@ -68,19 +64,13 @@ int run(const RunFlags& flags, const CLI::App& app) {
   options.force = flags.force;
   options.command = flags.command;
   const RunSummary summary = run_plan(plan, options);
-  print_tables(flags, app, published ? &*published : nullptr);
+  print_report(flags, app);
   fmt::print(stderr, "{}\n", summary.text());
   if (summary.interrupted) {
     fmt::print(stderr, "interrupted; what is measured is kept, and the same command goes on from there\n");
     return exit_interrupted;
   }
   return summary.failed > 0 ? exit_failed_rows : exit_ok;
-}
-
-/// RAYSTUDY_RESULTS, or the folder `results` here.
-std::string default_results() {
-  const char* folder = std::getenv("RAYSTUDY_RESULTS");
-  return folder != nullptr && *folder != '\0' ? folder : "results";
 }
 
 const Verb verb{"run", "Measure an experiment's cells that have no result yet, and print its tables", [](CLI::App& app) {

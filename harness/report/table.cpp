@@ -21,7 +21,7 @@ const PublishedColumn* published_column(const ColumnSpec& column, const Publishe
 
 /// The unit a column is shown in: its own, else the published one; empty for a pure number.
 std::string shown_unit(const ColumnSpec& column, const Published* published) {
-  if (!column.unit.empty()) return column.unit;
+  if (!column.unit.empty()) return column.unit == "1" ? "" : column.unit;
   if (const PublishedColumn* p = published_column(column, published)) return p->unit;
   return "";
 }

@@ -118,7 +118,7 @@ TEST_F(TableTest, TimesOfTwoMachinesHaveNoRatio) {
 }
 
 TEST_F(TableTest, TimesOfTwoRunsSayThatTheyWereNotInterleaved) {
-  result("sibenik-ogre", "insertion").provenance["run"] = "2";
+  result("sibenik-ogre", "insertion").provenance["timing_group"] = "2";
   EXPECT_EQ(cell(build(), 0, 3).reason,
             "measured in different runs, not interleaved; only the direction is compared: the times of another "
             "implementation on other hardware");

@@ -62,9 +62,9 @@ inline CellResult test_result(const std::string& scene, const std::string& metho
   r.experiment = "test";
   r.scene = scene;
   r.method = method;
-  r.values["cost"] = {ValueClass::exact, "", {cost}};
+  r.values["cost"] = {ValueClass::exact, "1", {cost}};
   r.values["total_time"] = {ValueClass::absolute, "s", std::move(seconds)};
-  r.provenance = {{"cpu", "A fast one"}, {"threads", "1"}, {"commit", "abc"}, {"run", "1"}};
+  r.provenance = {{"cpu", "A fast one"}, {"threads", "1"}, {"commit", "abc"}, {"timing_group", "1"}};
   return r;
 }
 

@@ -83,11 +83,11 @@ Found find_samples(const std::string& metric, const ValuePlace& place, const Res
 double factor_to(const ColumnSpec& column, std::string_view from, std::string_view to) {
   if (const auto factor = unit_factor(from, to)) return *factor;
   const auto named = [](std::string_view unit) {
-    return unit.empty() ? std::string("a pure number") : fmt::format("in '{}'", unit);
+    return unit.empty() || unit == "1" ? std::string("a pure number") : fmt::format("in '{}'", unit);
   };
   throw Error(Diagnostic{column.where,
                          fmt::format("column '{}' is shown {}, but its value is {}", column.name,
-                                     to.empty() ? "as " + named(to) : named(to), named(from)),
+                                     to.empty() || to == "1" ? "as " + named(to) : named(to), named(from)),
                          "a unit of the same kind",
                          {}});
 }
@@ -131,7 +131,8 @@ bool share_a_machine(FoundValue& value) {
       value = absent("none", fmt::format("times of different machines have no ratio: {}", difference));
       return false;
     }
-    if (provenance_of(first, "run") != provenance_of(*other, "run")) value.reason = "measured in different runs, not interleaved";
+    if (provenance_of(first, "timing_group") != provenance_of(*other, "timing_group"))
+      value.reason = "measured in different runs, not interleaved";
   }
   return true;
 }
@@ -143,7 +144,7 @@ void refuse_what_is_not_finite(FoundValue& value, const std::string& reason) {
 }  // namespace
 
 std::string machine_difference(const CellResult& a, const CellResult& b) {
-  static const std::array<std::string, 8> keys{"host", "cpu", "microcode", "kernel", "threads", "compiler", "flags", "commit"};
+  static const std::array<std::string, 7> keys{"cpu", "microcode", "kernel", "threads", "compiler", "flags", "commit"};
   for (const std::string& key : keys) {
     const std::string of_a = provenance_of(a, key);
     const std::string of_b = provenance_of(b, key);

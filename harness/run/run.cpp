@@ -58,6 +58,7 @@ class Run {
   std::map<std::string, std::string> provenance_;
   std::string scene_hash_;
   RunSummary summary_;
+  std::size_t processes_ = 0;
   std::size_t settled_ = 0;  ///< cells of this run that have a result
 };
 
@@ -202,6 +203,8 @@ void Run::follow(Child& child, Board& board, Pending& pending) {
 
 void Run::run_scene(Pending& pending) {
   while (!pending.empty() && !InterruptWatch::interrupted()) {
+    // Times may be divided by each other where one process took them in turn.
+    provenance_["timing_group"] = fmt::format("{}, process {}", utc_now(), ++processes_);
     SharedBoard board;
     Child child([this, &pending, &board](int socket) {
       run_worker(
