@@ -109,6 +109,8 @@ class TraceSession {
 
   /// hits.size() == rays.size(); hits come back in the order of the rays. Timed: nothing is counted here.
   virtual void trace(std::span<const Ray> rays, std::span<Hit> hits, Query query) = 0;
+  /// False where rays may slip between two triangles that share an edge (Embree without its robust flag).
+  [[nodiscard]] virtual bool watertight() const { return true; }
   /// True where `count` is implemented (Embree cannot count).
   [[nodiscard]] virtual bool counts() const { return false; }
   /// The instrumented pass of the same traversal. `steps`, where not empty, gets each ray's traversal steps.

@@ -220,7 +220,7 @@ ExactOracle::Verdict ExactOracle::judge(const Ray& ray, const Hit& found, Query 
   Verdict verdict;
   verdict.exact = closest(ray);
   if (!is_traceable(ray)) {
-    verdict.right = !found.is_hit();
+    verdict.judgement = found.is_hit() ? Judgement::wrong : Judgement::right;
     return verdict;
   }
   if (found.is_hit() && found.triangle >= scene_.triangles.size()) return verdict;
@@ -234,16 +234,25 @@ ExactOracle::Verdict ExactOracle::judge(const Ray& ray, const Hit& found, Query 
     return verdict;
   }
   const std::vector<std::uint32_t> triangles = candidates(ray, 2 * delta);
-  for (const Vec3d& offset : offsets_across(ray.direction, delta)) {
-    const Outcome o = outcome(ExactRay(ray, offset), ray, scene_, triangles, slack);
-    const bool supports = !found.is_hit()   ? std::isinf(o.certain)
-                          : !names_triangle ? std::isfinite(o.possible)
-                                            : o.certain >= double{found.t} - slack;
-    if (supports) {
-      verdict.right = true;
-      return verdict;
-    }
+  const std::vector<Vec3d> offsets = offsets_across(ray.direction, delta);
+  // Whether `found` can stand beside what a displaced ray, or a scene with gaps, meets.
+  const auto fits = [&](const Outcome& o) {
+    if (!found.is_hit()) return std::isinf(o.certain);
+    if (!names_triangle) return std::isfinite(o.possible);
+    return o.certain >= double{found.t} - slack;
+  };
+  for (const Vec3d& offset : offsets) {
+    if (!fits(outcome(ExactRay(ray, offset), ray, scene_, triangles, slack))) continue;
+    verdict.judgement = Judgement::right;
+    return verdict;
   }
+  std::vector<std::uint32_t> met_inside = triangles;
+  for (const Vec3d& offset : offsets) {
+    const ExactRay exact(ray, offset);
+    std::erase_if(met_inside, [&](std::uint32_t t) { return !exact_t(exact, scene_, t); });
+  }
+  const bool lost = !found.is_hit() || names_triangle;
+  if (lost && fits(outcome(ExactRay(ray, {0, 0, 0}), ray, scene_, met_inside, slack))) verdict.judgement = Judgement::leak;
   return verdict;
 }
 

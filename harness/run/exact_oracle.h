@@ -35,8 +35,14 @@ class ExactOracle {
  public:
   explicit ExactOracle(const Scene& scene);
 
+  enum class Judgement : unsigned char {
+    right,
+    leak,  ///< wrong, but right if the triangles that the ray meets within δ of their edges were not there: it slipped between
+           ///< them
+    wrong
+  };
   struct Verdict {
-    bool right = false;
+    Judgement judgement = Judgement::wrong;
     ExactHit exact;  ///< of the ray itself, by its range to the letter
   };
   /// `other`, where it is a hit, adds its triangle to those in question.

@@ -52,7 +52,7 @@ bool Oracle::agree(const Ray& ray, const Hit& hit, const Hit& reference, Query q
 }
 
 OracleReport Oracle::check(std::span<const Ray> rays, std::span<const Hit> hits, std::span<const Hit> reference, Query query,
-                           std::size_t samples) const {
+                           bool watertight, std::size_t samples) const {
   if (hits.size() != rays.size() || reference.size() != rays.size()) {
     throw std::logic_error("as many hits and reference hits as rays are needed");
   }
@@ -60,7 +60,11 @@ OracleReport Oracle::check(std::span<const Ray> rays, std::span<const Hit> hits,
   report.rays = rays.size();
   const auto judge = [&](std::size_t i) {
     const ExactOracle::Verdict verdict = exact_.judge(rays[i], hits[i], query, reference[i]);
-    if (verdict.right) return;
+    if (verdict.judgement == ExactOracle::Judgement::right) return;
+    if (verdict.judgement == ExactOracle::Judgement::leak && !watertight) {
+      ++report.leaks;
+      return;
+    }
     ++report.wrong;
     report.examples.push_back({i, hits[i], reference[i], verdict.exact});
   };
@@ -78,8 +82,8 @@ OracleReport Oracle::check(std::span<const Ray> rays, std::span<const Hit> hits,
 }
 
 OracleReport check_hits(const Scene& scene, std::span<const Ray> rays, std::span<const Hit> hits, std::span<const Hit> reference,
-                        Query query, std::size_t samples) {
-  return Oracle(scene).check(rays, hits, reference, query, samples);
+                        Query query, bool watertight, std::size_t samples) {
+  return Oracle(scene).check(rays, hits, reference, query, watertight, samples);
 }
 
 ReferenceTracer::ReferenceTracer(const Scene& scene, int threads) {

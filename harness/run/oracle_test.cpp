@@ -12,6 +12,8 @@
 namespace raystudy {
 namespace {
 
+using Judgement = ExactOracle::Judgement;
+
 Scene make(std::vector<Vec3> vertices, std::vector<Triangle> triangles) {
   Scene scene;
   scene.vertices = SharedArray<Vec3>(std::move(vertices));
@@ -125,7 +127,7 @@ TEST_F(PlantedHits, HitThatIsNotThere) {
 TEST_F(PlantedHits, AnotherTriangle) {
   hits[index].triangle = (hits[index].triangle + 7) % static_cast<std::uint32_t>(scene.triangles.size());
   reference = hits;  // even where the reference makes the same mistake, a full sample finds it
-  EXPECT_EQ(Oracle(scene).check(rays, hits, reference, Query::closest_hit, rays.size()).wrong, 1U);
+  EXPECT_EQ(Oracle(scene).check(rays, hits, reference, Query::closest_hit, true, rays.size()).wrong, 1U);
 }
 
 TEST_F(PlantedHits, IndexOutOfRange) {
@@ -142,7 +144,7 @@ TEST_F(PlantedHits, WrongDistance) {
 TEST_F(PlantedHits, WeightsSwapped) {
   std::swap(hits[index].u, hits[index].v);
   reference = hits;
-  EXPECT_EQ(Oracle(scene).check(rays, hits, reference, Query::closest_hit, rays.size()).wrong, 1U);
+  EXPECT_EQ(Oracle(scene).check(rays, hits, reference, Query::closest_hit, true, rays.size()).wrong, 1U);
 }
 
 TEST_F(PlantedHits, FartherHitThroughTheSphere) {
@@ -180,22 +182,43 @@ TEST(Oracle, TextSaysWhichRayAndWhatWasFound) {
 TEST(Oracle, MissAtAnOpenEdgeIsRightAndOneInsideIsWrong) {
   const Scene scene = make({{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}, {{{0, 1, 2}}});
   const ExactOracle oracle(scene);
-  EXPECT_TRUE(oracle.judge({{0.5F, 0x1p-24F, 0}, 0, {0, 0, 1}, 10}, {}, Query::closest_hit).right);
-  EXPECT_FALSE(oracle.judge({{0.5F, 0x1p-17F, 0}, 0, {0, 0, 1}, 10}, {}, Query::closest_hit).right);
-  EXPECT_FALSE(oracle.judge({{0.5F, 0x1p-17F, 0}, 0, {0, 0, 1}, 10}, {}, Query::any_hit).right);
+  EXPECT_TRUE(oracle.judge({{0.5F, 0x1p-24F, 0}, 0, {0, 0, 1}, 10}, {}, Query::closest_hit).judgement == Judgement::right);
+  EXPECT_FALSE(oracle.judge({{0.5F, 0x1p-17F, 0}, 0, {0, 0, 1}, 10}, {}, Query::closest_hit).judgement == Judgement::right);
+  EXPECT_FALSE(oracle.judge({{0.5F, 0x1p-17F, 0}, 0, {0, 0, 1}, 10}, {}, Query::any_hit).judgement == Judgement::right);
   // The same for a hit that is not quite there.
   const Hit hit{1, 0, 0.5F, 0};
-  EXPECT_TRUE(oracle.judge({{0.5F, -0x1p-24F, 0}, 0, {0, 0, 1}, 10}, hit, Query::closest_hit).right);
-  EXPECT_FALSE(oracle.judge({{0.5F, -0x1p-17F, 0}, 0, {0, 0, 1}, 10}, hit, Query::closest_hit).right);
+  EXPECT_TRUE(oracle.judge({{0.5F, -0x1p-24F, 0}, 0, {0, 0, 1}, 10}, hit, Query::closest_hit).judgement == Judgement::right);
+  EXPECT_FALSE(oracle.judge({{0.5F, -0x1p-17F, 0}, 0, {0, 0, 1}, 10}, hit, Query::closest_hit).judgement == Judgement::right);
 }
 
 TEST(Oracle, MissAtASharedEdgeIsWrongAtASilhouetteRight) {
   // Two triangles that share the edge x = 0: flat they cover both its sides; folded they both lie at x > 0.
   const Ray ray{{0, 0.5F, 0}, 0, {0, 0, 1}, 10};
   const Scene flat = make({{0, 0, 1}, {0, 1, 1}, {1, 0.5F, 1}, {-1, 0.5F, 1}}, {{{0, 1, 2}}, {{0, 1, 3}}});
-  EXPECT_FALSE(ExactOracle(flat).judge(ray, {}, Query::closest_hit).right);
+  EXPECT_FALSE(ExactOracle(flat).judge(ray, {}, Query::closest_hit).judgement == Judgement::right);
   const Scene folded = make({{0, 0, 1}, {0, 1, 1}, {1, 0.5F, 1}, {1, 0.5F, 2}}, {{{0, 1, 2}}, {{0, 1, 3}}});
-  EXPECT_TRUE(ExactOracle(folded).judge(ray, {}, Query::closest_hit).right);
+  EXPECT_TRUE(ExactOracle(folded).judge(ray, {}, Query::closest_hit).judgement == Judgement::right);
+}
+
+TEST(Oracle, LeaksAreToldFromOtherWrongHits) {
+  const Scene scene = make({{0, 0, 1}, {0, 1, 1}, {1, 0.5F, 1}, {-1, 0.5F, 1}, {-9, -9, 2}, {9, -9, 2}, {0, 9, 2}},
+                           {{{0, 1, 2}}, {{0, 1, 3}}, {{4, 5, 6}}});
+  const ExactOracle oracle(scene);
+  const Ray on_edge{{0, 0.5F, 0}, 0, {0, 0, 1}, 10};
+  const Ray inside{{0.25F, 0.5F, 0}, 0, {0, 0, 1}, 10};
+  ASSERT_TRUE(test::closest_hits(scene, {&inside, 1})[0].triangle == 0U);
+  Ray past = on_edge;
+  past.tmin = 1.5F;
+  const Hit behind = test::closest_hits(scene, {&past, 1})[0];
+  past.origin = inside.origin;
+  const Hit behind_inside = test::closest_hits(scene, {&past, 1})[0];
+  EXPECT_EQ(oracle.judge(on_edge, behind, Query::closest_hit).judgement, Judgement::leak);
+  EXPECT_EQ(oracle.judge(inside, behind_inside, Query::closest_hit).judgement, Judgement::wrong);
+  EXPECT_EQ(oracle.judge(on_edge, {}, Query::closest_hit).judgement, Judgement::wrong) << "the wall behind is not to be missed";
+  const Hit edge_hit = test::closest_hits(scene, {&on_edge, 1})[0];
+  EXPECT_EQ(check_hits(scene, {&on_edge, 1}, {&behind, 1}, {&edge_hit, 1}, Query::closest_hit, false).leaks, 1U);
+  EXPECT_TRUE(check_hits(scene, {&on_edge, 1}, {&behind, 1}, {&edge_hit, 1}, Query::closest_hit, false).ok());
+  EXPECT_EQ(check_hits(scene, {&on_edge, 1}, {&behind, 1}, {&edge_hit, 1}, Query::closest_hit, true).wrong, 1U);
 }
 
 TEST(Oracle, EitherOfTwoTrianglesAtOneDistanceIsRight) {
@@ -215,8 +238,8 @@ TEST(Oracle, RaysThatMayHitNothing) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const Ray& ray : {Ray{{0.2F, 0.2F, 0}, 0, {0, 0, 0}, 10}, Ray{{0.2F, 0.2F, 0}, 0, {0, nan, 1}, 10},
                          Ray{{0.2F, 0.2F, 0}, 2, {0, 0, 1}, 1}}) {
-    EXPECT_TRUE(oracle.judge(ray, {}, Query::closest_hit).right);
-    EXPECT_FALSE(oracle.judge(ray, {1, 0, 0.2F, 0.2F}, Query::closest_hit).right);
+    EXPECT_TRUE(oracle.judge(ray, {}, Query::closest_hit).judgement == Judgement::right);
+    EXPECT_FALSE(oracle.judge(ray, {1, 0, 0.2F, 0.2F}, Query::closest_hit).judgement == Judgement::right);
   }
 }
 
