@@ -29,4 +29,8 @@ std::optional<Quantity> Lookup::quantity(const std::string& name, const SourceLo
   return std::nullopt;
 }
 
+bool Lookup::is_reported(std::string_view name, std::string_view what) const {
+  return reading_.declared[std::string(what)].contains(std::string(name));
+}
+
 }  // namespace raystudy

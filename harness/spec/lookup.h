@@ -24,8 +24,7 @@ class Lookup {
     for (const T& thing : things) {
       if (thing.label == name.key || thing.base == name.key) labels.push_back(thing.label);
     }
-    // Where there are none at all the section itself is missing or wrong, which is already said.
-    if (labels.empty() && (!things.empty() || reading_.problems.empty())) {
+    if (labels.empty() && !is_reported(name.key, what)) {
       reading_.report_unknown(name.where, fmt::format("there is no {} '{}' in this experiment", what, name.key), name.key,
                               labels_of(things));
     }
@@ -51,7 +50,7 @@ class Lookup {
   [[nodiscard]] std::optional<std::string> the_only(const std::vector<T>& things, const SourceLocation& where,
                                                     const std::string& owner, std::string_view what) const {
     if (things.size() == 1) return things.front().label;
-    if (!things.empty() || reading_.problems.empty()) {
+    if (!things.empty() || reading_.declared[std::string(what)].empty()) {
       reading_.report(where, fmt::format("{} names no {}", owner, what),
                       things.empty() ? fmt::format("a {} in the experiment", what)
                                      : fmt::format("'{}', one of {}", what, fmt::join(labels_of(things), ", ")));
@@ -63,6 +62,9 @@ class Lookup {
   [[nodiscard]] std::optional<Quantity> quantity(const std::string& name, const SourceLocation& where) const;
 
  private:
+  /// True for a thing that the file gives and that is not in the plan since it is wrong, which is said where it stands.
+  [[nodiscard]] bool is_reported(std::string_view name, std::string_view what) const;
+
   Reading& reading_;
   std::vector<Quantity> quantities_;
 };

@@ -242,6 +242,14 @@ TEST(ReadErrors, Metrics) {
       "methods make");
 }
 
+TEST(ReadErrors, WhatIsWrongItselfIsNotMissedElsewhere) {
+  EXPECT_EQ(errors("scenes: [nowhere, conference]\nmethods: {a: test-bilder, b: test-builder}\n"
+                   "tables: {t: {only: [nowhere], columns: {c: {metric: triangles, method: a}}}}\n"),
+            "x.yaml:1:10: there is no scene 'nowhere'; expected a name that 'raystudy list scenes' shows\n"
+            "x.yaml:2:14: there is no builder 'test-bilder'; expected one of " +
+                names(Role::builder) + "; did you mean 'test-builder'?");
+}
+
 TEST(ReadErrors, AllOfAFileAtOnceInItsOrder) {
   EXPECT_EQ(errors("scenes: [nowhere]\nseed: x\nmethods:\n  a: nobody\n  a: test-builder\nfoo: 1\n"),
             "x.yaml:1:10: there is no scene 'nowhere'; expected a name that 'raystudy list scenes' shows\n"

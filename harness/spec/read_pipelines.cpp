@@ -26,7 +26,10 @@ struct Draft {
 class PipelineReader {
  public:
   PipelineReader(Reading& reading, const YamlNode& node, Plan& plan) : reading_(reading), node_(node), plan_(plan) {
-    for (const YamlEntry& entry : node.entries) names_.push_back(entry.key);
+    for (const YamlEntry& entry : node.entries) {
+      names_.push_back(entry.key);
+      reading.declared["method"].insert(entry.key);
+    }
   }
 
   void read() {
@@ -199,7 +202,7 @@ class PipelineReader {
                           fmt::format("a tracer of '{}'", kind));
         }
       }
-      if (!known) {
+      if (!known && !reading_.declared["tracer"].contains(name.key)) {
         reading_.report_unknown(name.where, fmt::format("there is no tracer '{}' in this experiment", name.key), name.key,
                                 labels_of(plan_.tracers));
       }

@@ -20,10 +20,17 @@ std::vector<std::string> scene_names(const Catalog& catalog) {
   return names;
 }
 
-/// What the catalog promises of a scene. `open_scene` holds its files to this, so they need not be read here.
+/// A file outside the catalog is known by its bytes. One that is not there yet has a name only; it cannot be measured either.
+std::string file_identity(const std::string& path) { return fmt::format("{} xxh3={}", path, file_hash(path).value_or("none")); }
+
+/// What the catalog promises of a scene. `open_scene` holds its files to this, so they need not be read here, but for one that
+/// the user added by hand, of which it promises nothing.
 std::string catalog_identity(const CatalogEntry& entry) {
   std::string text = fmt::format("{} triangles={}", entry.name, entry.triangles);
   for (const CatalogFile& file : entry.files) text += fmt::format(" sha256={}", file.sha256);
+  if (const CatalogFile* installed = installed_file(entry); installed != nullptr && installed->sha256.empty()) {
+    text += " " + file_identity(find_file(*installed)->string());
+  }
   const auto triple = [](const Vec3& v) { return fmt::format("{} {} {}", v.x, v.y, v.z); };
   for (const Camera& camera : entry.cameras) {
     text += fmt::format(" camera {}: {}, {}, {}, {}", camera.name, triple(camera.eye), triple(camera.target), triple(camera.up),
@@ -31,9 +38,6 @@ std::string catalog_identity(const CatalogEntry& entry) {
   }
   return text;
 }
-
-/// A file outside the catalog is known by its bytes. One that is not there yet has a name only; it cannot be measured either.
-std::string file_identity(const std::string& path) { return fmt::format("{} xxh3={}", path, file_hash(path).value_or("none")); }
 
 class SceneReader {
  public:
@@ -60,6 +64,7 @@ class SceneReader {
   }
 
   void read_scene_spec(const std::string& name, const SourceLocation& where, const YamlNode* options) {
+    reading_.declared["scene"].insert(name);
     const bool is_file = name.find('/') != std::string::npos;
     if (!is_file && std::find(known_.begin(), known_.end(), name) == known_.end()) {
       reading_.report(where, fmt::format("there is no scene '{}'", name), "a name that 'raystudy list scenes' shows",
@@ -75,6 +80,7 @@ class SceneReader {
     if (options != nullptr && !options->is_null()) {
       Fields fields(reading_, *options, fmt::format("scene '{}'", name));
       scene.base = fields.text("label", scene.base);
+      reading_.declared["scene"].insert(scene.base);
       if (generated) {
         scene.seed =
             static_cast<std::uint64_t>(std::get<std::int64_t>(fields.value(integer_param("seed", 1, "", 0, 9007199254740992.0))));

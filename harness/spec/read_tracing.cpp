@@ -20,10 +20,18 @@ void read_labelled(Reading& reading, const YamlNode& node, Role role, const std:
     }
   };
   if (node.is_list()) {
-    for (const auto& item : node.items) add_all({}, item->where, read_method(reading, *item, role, std::string(role_name(role))));
+    for (const auto& item : node.items) {
+      const YamlNode& written = reading.at_scale(*item);
+      if (written.is_scalar()) reading.declared[std::string(role_name(role))].insert(written.text);
+      if (written.is_map() && !written.entries.empty()) {
+        reading.declared[std::string(role_name(role))].insert(written.entries.front().key);
+      }
+      add_all({}, item->where, read_method(reading, *item, role, std::string(role_name(role))));
+    }
   } else if (node.is_map()) {
     for (const YamlEntry& entry : node.entries) {
       check_label(reading, entry.where, entry.key);
+      reading.declared[std::string(role_name(role))].insert(entry.key);
       add_all(entry.key, entry.where, read_method(reading, *entry.value, role, std::string(role_name(role))));
     }
   } else {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +18,9 @@ namespace raystudy {
 struct Reading {
   Scale scale = Scale::quick;
   std::vector<Diagnostic> problems;
+  /// Names that the file gives, by kind of thing ("method", "scene"), right or wrong: what is wrong itself is not missed
+  /// elsewhere.
+  std::map<std::string, std::set<std::string>, std::less<>> declared{};
 
   void report(const SourceLocation& where, std::string message, std::string expected = {}, std::string nearest = {});
   /// `found` is not one of `known`: names the nearest.
