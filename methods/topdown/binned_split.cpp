@@ -10,22 +10,21 @@ namespace raystudy::topdown {
 BinnedSplitter::BinnedSplitter(const Measure& measure, std::uint32_t bins, int threads)
     : measure_(&measure),
       surface_area_(dynamic_cast<const SurfaceArea*>(&measure) != nullptr),
-      count_(bins),
-      row_((bins + 3) / 4 * 4),
+      most_(bins),
       threads_(threads),
-      bins_(row_),
+      bins_((bins + 3) / 4 * 4),
       left_(bins_.boxes.size()),
       right_(bins_.boxes.size()) {}
 
-void BinnedSplitter::Bins::clear() {
+void BinnedSplitter::Bins::clear(std::uint32_t row) {
   const Float4 d;
   const WideBox empty = WideBox::empty();
-  for (BoxRecord& box : boxes) {
-    auto* p = reinterpret_cast<float*>(&box);
+  for (std::size_t i = 0; i < std::size_t{3} * row; ++i) {
+    auto* p = reinterpret_cast<float*>(&boxes[i]);
     hn::Store(empty.lower, d, p);
     hn::Store(empty.upper, d, p + 4);
   }
-  std::fill(counts.begin(), counts.end(), 0);
+  std::fill_n(counts.begin(), std::size_t{3} * row, 0);
 }
 
 void BinnedSplitter::Bins::merge(const Bins& other) {
@@ -65,7 +64,7 @@ void BinnedSplitter::fill(Bins& bins, std::span<const BoxRecord> records, const 
 
 void BinnedSplitter::fill_shared(std::span<const BoxRecord> records, const Binning& binning) {
   Bins empty(row_);
-  empty.clear();
+  empty.clear(row_);
   bins_ = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, records.size(), shared_pass / 4), empty,
       [&](const auto& range, Bins bins) {
@@ -94,8 +93,8 @@ void BinnedSplitter::measure_sides() {
     }
     return;
   }
-  std::vector<Box> lefts(left_.size());
-  std::vector<Box> rights(right_.size());
+  std::vector<Box> lefts(std::size_t{3} * row_);
+  std::vector<Box> rights(lefts.size());
   for (std::uint32_t row = 0; row < 3 * row_; row += row_) {
     WideBox left = WideBox::empty();
     WideBox right = WideBox::empty();
@@ -106,42 +105,50 @@ void BinnedSplitter::measure_sides() {
       rights[row + row_ - 1 - i] = right.box();
     }
   }
-  measure_->evaluate(lefts, left_);
-  measure_->evaluate(rights, right_);
+  measure_->evaluate(lefts, std::span(left_).first(lefts.size()));
+  measure_->evaluate(rights, std::span(right_).first(rights.size()));
 }
 
-BinnedSplitter::Choice BinnedSplitter::best_choice(std::uint32_t n) const {
+BinnedSplitter::Choice BinnedSplitter::best_choice(std::int32_t n) const {
   Choice best;
   for (int axis = 0; axis < 3; ++axis) {
-    const std::uint32_t row = static_cast<std::uint32_t>(axis) * row_;
-    std::uint32_t left = 0;
-    for (std::uint32_t i = row + 1; i < row + count_; ++i) {
-      left += bins_.counts[i - 1];
-      if (left == 0) continue;
-      if (left == n) break;
-      const float cost = left_[i - 1] * static_cast<float>(left) + right_[i] * static_cast<float>(n - left);
-      if (cost < best.cost) best = {cost, axis, i};
+    const std::size_t row = static_cast<std::size_t>(axis) * row_;
+    const std::uint32_t* counts = &bins_.counts[row];
+    const float* lefts = &left_[row];
+    const float* rights = &right_[row];
+    std::int32_t left = 0;
+    for (std::uint32_t i = 1; i < count_; ++i) {
+      left += static_cast<std::int32_t>(counts[i - 1]);
+      const std::int32_t right = n - left;
+      // One side is empty: 0 times the measure of the empty box is no cost.
+      const float cost = lefts[i - 1] * static_cast<float>(left) + rights[i] * static_cast<float>(right);
+      const bool better = (cost < best.cost) & (left > 0) & (right > 0);
+      best.cost = better ? cost : best.cost;
+      best.axis = better ? axis : best.axis;
+      best.bin = better ? static_cast<std::int32_t>(row + i) : best.bin;
     }
   }
   return best;
 }
 
 std::uint32_t BinnedSplitter::split(std::span<BoxRecord> records, const NodeBounds& bounds) {
+  const auto n = static_cast<std::uint32_t>(records.size());
+  count_ = std::min(most_, std::max(n, 8U));
+  row_ = (count_ + 3) / 4 * 4;
   const Binning binning(bounds, count_, row_);
   if (threads_ > 1 && records.size() >= shared_pass) {
     fill_shared(records, binning);
   } else {
-    bins_.clear();
+    bins_.clear(row_);
     fill(bins_, records, binning);
   }
   measure_sides();
-  const auto n = static_cast<std::uint32_t>(records.size());
-  const Choice choice = best_choice(n);
+  const Choice choice = best_choice(static_cast<std::int32_t>(n));
   if (choice.axis < 0) return split_at_median(records, bounds.box.box().longest_axis());
-  return partition_records(records, [&](const BoxRecord& record) {
+  return partition_records(records, [&](const WideBox& box) {
     alignas(16) std::int32_t at[4];
-    hn::Store(binning(WideBox::of(record)), Int4(), at);
-    return at[choice.axis] < static_cast<std::int32_t>(choice.bin);
+    hn::Store(binning(box), Int4(), at);
+    return at[choice.axis] < choice.bin;
   });
 }
 

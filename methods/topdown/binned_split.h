@@ -24,7 +24,7 @@ class BinnedSplitter {
   /// Three rows of bins, one an axis; a row is filled up with empty bins to a multiple of four.
   struct Bins {
     explicit Bins(std::uint32_t row) : boxes(std::size_t{3} * row), counts(std::size_t{3} * row) {}
-    void clear();
+    void clear(std::uint32_t row);
     void merge(const Bins& other);
     std::vector<BoxRecord> boxes;
     std::vector<std::uint32_t> counts;
@@ -50,18 +50,19 @@ class BinnedSplitter {
   struct Choice {
     float cost = std::numeric_limits<float>::infinity();
     int axis = -1;
-    std::uint32_t bin = 0;  ///< the first of the right side, by index into Bins
+    std::int32_t bin = 0;  ///< the first of the right side, by index into Bins
   };
 
   static void fill(Bins& bins, std::span<const BoxRecord> records, const Binning& binning);
   void fill_shared(std::span<const BoxRecord> records, const Binning& binning);
   void measure_sides();
-  [[nodiscard]] Choice best_choice(std::uint32_t n) const;
+  [[nodiscard]] Choice best_choice(std::int32_t n) const;
 
   const Measure* measure_;
   bool surface_area_;
-  std::uint32_t count_;  ///< bins an axis
-  std::uint32_t row_;
+  std::uint32_t most_;       ///< bins an axis, at most
+  std::uint32_t count_ = 0;  ///< bins an axis of the node at hand
+  std::uint32_t row_ = 0;    ///< slots of a row
   int threads_;
   Bins bins_;
   std::vector<float> left_;   ///< measure of a bin united with those before it in its row

@@ -57,16 +57,23 @@ inline constexpr std::size_t shared_pass = 32768;
       });
 }
 
-/// Puts the records that `goes_left` in front of the others and returns how many they are. Without a branch, since which way a
+/// Puts the records whose boxes go left in front of the others and returns how many they are. Without a branch, since which way a
 /// triangle goes cannot be predicted.
 template <class GoesLeft>
 std::uint32_t partition_records(std::span<BoxRecord> records, GoesLeft&& goes_left) {
+  const Float4 d;
+  const auto half = [](BoxRecord& record, int i) { return reinterpret_cast<float*>(&record) + 4 * i; };
   std::uint32_t left = 0;
   for (BoxRecord& record : records) {
-    const BoxRecord moved = record;
-    record = records[left];
-    records[left] = moved;
-    left += goes_left(moved) ? 1 : 0;
+    // Half by half: loaded whole, what was just stored in halves would take a detour through memory.
+    const auto lower = hn::Load(d, half(record, 0));
+    const auto upper = hn::Load(d, half(record, 1));
+    BoxRecord& other = records[left];
+    hn::Store(hn::Load(d, half(other, 0)), d, half(record, 0));
+    hn::Store(hn::Load(d, half(other, 1)), d, half(record, 1));
+    hn::Store(lower, d, half(other, 0));
+    hn::Store(upper, d, half(other, 1));
+    left += goes_left(WideBox{lower, upper}) ? 1 : 0;
   }
   return left;
 }
@@ -121,46 +128,64 @@ class RecordBuild {
       tasks.run([this, other = children[1], &tasks] { build_large(other, tasks); });
       part = children[0];
     }
-    std::vector<Part> stack{part};
+    std::vector<Part> stack;
+    const auto descend = [&](const Part& p) {
+      if (p.subtree.count <= 2) {
+        build_pair(p);
+      } else {
+        stack.push_back(p);
+      }
+    };
+    descend(part);
     while (!stack.empty()) {
       const Part top = stack.back();
       stack.pop_back();
       const auto children = make_node(top, splitter, 1);
       if (children[0].subtree.count == 0) continue;
-      stack.push_back(children[1]);
-      stack.push_back(children[0]);
+      descend(children[1]);
+      descend(children[0]);
     }
   }
 
   /// Makes the part's node and returns its children, or two parts of no triangles where it is a leaf.
   std::array<Part, 2> make_node(const Part& part, Splitter& splitter, int threads) {
     const Subtree& s = part.subtree;
-    if (s.count == 1) {
-      make_leaf(part);
-      return {};
-    }
     const auto records = std::span(records_).subspan(s.begin, s.count);
-    const std::uint32_t left = s.count == 2 ? 1 : splitter.split(records, part.bounds);
+    const std::uint32_t left = splitter.split(records, part.bounds);
     const std::array<Part, 2> children{Part{s.left(left), bounds_of(records.first(left), threads)},
                                        Part{s.right(left), bounds_of(records.subspan(left), threads)}};
-    if (leaves_.sah && s.count <= leaves_.max_triangles) {
-      const std::array<Box, 3> boxes{part.bounds.box.box(), children[0].bounds.box.box(), children[1].bounds.box.box()};
-      std::array<float, 3> m{};
-      measure_.evaluate(boxes, m);
-      const float cost = m[1] * static_cast<float>(left) + m[2] * static_cast<float>(s.count - left);
-      if (leaves_.is_leaf(s.count, m[0], cost)) {
-        make_leaf(part);
-        return {};
-      }
-    }
+    if (make_leaf(s, part.bounds.box.box(), left, children[0].bounds.box.box(), children[1].bounds.box.box())) return {};
     bvh_.nodes[s.node] = {part.bounds.box.box(), s.pairs, 0};
     return children;
   }
 
-  void make_leaf(const Part& part) {
+  /// One triangle, or two, which fall apart in one way only.
+  void build_pair(const Part& part) {
     const Subtree& s = part.subtree;
+    const Box box = part.bounds.box.box();
+    if (s.count == 1) return make_leaf(s, box);
+    const Box left = WideBox::of(records_[s.begin]).box();
+    const Box right = WideBox::of(records_[s.begin + 1]).box();
+    if (make_leaf(s, box, 1, left, right)) return;
+    bvh_.nodes[s.node] = {box, s.pairs, 0};
+    make_leaf(s.left(1), left);
+    make_leaf(s.right(1), right);
+  }
+
+  /// Makes a leaf where that costs no more than the split into `left` triangles and the rest.
+  bool make_leaf(const Subtree& s, const Box& box, std::uint32_t left, const Box& left_box, const Box& right_box) {
+    if (!leaves_.sah || s.count > leaves_.max_triangles) return false;
+    const std::array<Box, 3> boxes{box, left_box, right_box};
+    std::array<float, 3> m{};
+    measure_.evaluate(boxes, m);
+    if (!leaves_.is_leaf(s.count, m[0], m[1] * static_cast<float>(left) + m[2] * static_cast<float>(s.count - left))) return false;
+    make_leaf(s, box);
+    return true;
+  }
+
+  void make_leaf(const Subtree& s, const Box& box) {
     for (std::uint32_t i = s.begin; i < s.begin + s.count; ++i) bvh_.triangles[i] = records_[i].triangle;
-    bvh_.nodes[s.node] = {part.bounds.box.box(), s.begin, s.count};
+    bvh_.nodes[s.node] = {box, s.begin, s.count};
   }
 
   const Splitter& splitter_;

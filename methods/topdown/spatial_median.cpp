@@ -9,8 +9,12 @@ struct SpatialMedianSplitter {
     const Box box = bounds.box.box();
     const int axis = box.longest_axis();
     const float doubled_plane = box.lower[axis] + box.upper[axis];
-    const std::uint32_t left = topdown::partition_records(
-        records, [=](const topdown::BoxRecord& r) { return topdown::doubled_center(r, axis) < doubled_plane; });
+    const auto goes_left = [=](const topdown::WideBox& b) {
+      alignas(16) float center[4];
+      topdown::hn::Store(topdown::doubled_center(b), topdown::Float4(), center);
+      return center[axis] < doubled_plane;
+    };
+    const std::uint32_t left = topdown::partition_records(records, goes_left);
     if (left > 0 && left < records.size()) return left;
     return topdown::split_at_median(records, axis);
   }
