@@ -1,9 +1,16 @@
 #include "harness/run/machine.h"
 
 #include <sched.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
+#include <system_error>
+#include <thread>
 
 namespace raystudy {
 namespace {
@@ -52,6 +59,35 @@ std::string turbo_state(const std::string& root) {
   return boost.empty() ? std::string{} : boost == "1" ? "on" : "off";
 }
 
+struct ProcessTime {
+  std::string name;
+  double seconds = 0;  ///< of processor time since it began
+};
+
+/// Field 2 of /proc/PID/stat is the name in parentheses (it may hold spaces), 14 and 15 the time in user and kernel mode in
+/// ticks.
+std::map<int, ProcessTime> process_times() {
+  std::map<int, ProcessTime> times;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc", ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    const std::string line = first_line(entry.path() / "stat");
+    const std::size_t open = line.find('(');
+    const std::size_t close = line.rfind(')');
+    if (open == std::string::npos || close == std::string::npos) continue;  // it has ended meanwhile
+    std::istringstream rest(line.substr(close + 1));
+    std::string skipped;
+    for (int field = 3; field < 14; ++field) rest >> skipped;
+    double user = 0;
+    double kernel = 0;
+    rest >> user >> kernel;
+    times[std::stoi(name)] = {line.substr(open + 1, close - open - 1),
+                              (user + kernel) / static_cast<double>(sysconf(_SC_CLK_TCK))};
+  }
+  return times;
+}
+
 int usable_cores() {
   cpu_set_t set;
   CPU_ZERO(&set);
@@ -59,6 +95,21 @@ int usable_cores() {
 }
 
 }  // namespace
+
+std::vector<BusyProcess> busy_processes(double seconds) {
+  constexpr double worth_telling = 0.1;
+  const std::map<int, ProcessTime> before = process_times();
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  std::vector<BusyProcess> busy;
+  for (const auto& [pid, now] : process_times()) {
+    const auto earlier = before.find(pid);
+    if (pid == getpid() || earlier == before.end()) continue;
+    const double processors = (now.seconds - earlier->second.seconds) / seconds;
+    if (processors >= worth_telling) busy.push_back({pid, now.name, processors});
+  }
+  std::sort(busy.begin(), busy.end(), [](const BusyProcess& a, const BusyProcess& b) { return a.processors > b.processors; });
+  return busy;
+}
 
 Machine read_machine(const std::string& root) {
   const std::string cpuinfo = root + "/proc/cpuinfo";
@@ -76,6 +127,7 @@ Machine read_machine(const std::string& root) {
     m.virtual_machine = (" " + flags + " ").find(" hypervisor ") != std::string::npos ? "yes" : "no";
   }
   m.huge_pages = chosen(first_line(root + "/sys/kernel/mm/transparent_hugepage/enabled"));
+  m.clock = first_line(root + "/sys/devices/system/clocksource/clocksource0/current_clocksource");
   m.memory = kilobytes(meminfo, "MemTotal");
   m.available_memory = kilobytes(meminfo, "MemAvailable");
   m.swap_used = kilobytes(meminfo, "SwapTotal") - kilobytes(meminfo, "SwapFree");

@@ -19,8 +19,19 @@ struct Machine {
   double memory = 0;            ///< bytes
   double available_memory = 0;  ///< bytes
   double swap_used = 0;         ///< bytes
+  std::string clock;            ///< clock source, e.g. tsc
   double load = 0;              ///< mean number of running processes over the last minute
 };
+
+/// A process that takes processor time from others.
+struct BusyProcess {
+  int pid = 0;
+  std::string name;
+  double processors = 0;  ///< 1: one whole processor
+};
+
+/// Those that took a tenth of a processor or more over `seconds`, without this process, busiest first.
+[[nodiscard]] std::vector<BusyProcess> busy_processes(double seconds);
 
 /// Reads /proc and /sys below `root` (empty: the machine's own).
 [[nodiscard]] Machine read_machine(const std::string& root = {});

@@ -207,10 +207,9 @@ void Run::run_scene(Pending& pending) {
     provenance_["timing_group"] = fmt::format("{}, process {}", utc_now(), ++processes_);
     SharedBoard board;
     Child child([this, &pending, &board](int socket) {
-      run_worker(
-          plan_, pending,
-          options_.open ? options_.open : [](const SceneSpec& s) { return open_scene(s.name, s.triangles, s.seed); }, *board,
-          MessageSender(socket));
+      WorkerOptions worker{options_.open, options_.sample_seconds};
+      if (!worker.open) worker.open = [](const SceneSpec& spec) { return open_scene(spec.name, spec.triangles, spec.seed); };
+      run_worker(plan_, pending, worker, *board, MessageSender(socket));
     });
     const std::size_t before = pending.size();
     follow(child, *board, pending);

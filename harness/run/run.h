@@ -17,6 +17,7 @@ struct RunOptions {
   bool force = false;                         ///< measure what is measured already
   std::string command;                        ///< the command line, for the results' provenance
   OpenScene open;                             ///< how scenes are opened; empty: open_scene
+  double sample_seconds = 0.02;               ///< shorter work is iterated within a repetition (timing.h); less only in tests
   std::FILE* log = stderr;                    ///< progress and notes
 };
 

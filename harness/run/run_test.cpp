@@ -31,6 +31,7 @@ class RunTest : public testing::Test {
     options.results = folder;
     options.command = "raystudy run test.yaml";
     options.open = open_test_scene;
+    options.sample_seconds = 1e-9;
     options.log = std::fopen((folder / "log").c_str(), "w");
   }
   ~RunTest() override {

@@ -89,9 +89,9 @@ bool Worker::guarded(Spent kind, Scope scope, std::size_t index, std::string_vie
   return !error;
 }
 
-void Worker::open_the_scene(const OpenScene& open) {
+void Worker::open_the_scene() {
   const std::size_t index = plan_.cells[cells_.front()].scene;
-  scene_ = open(plan_.scenes[index]);
+  scene_ = options_.open(plan_.scenes[index]);
   context_.threads = plan_.threads;
   context_.seed = plan_.seed;
   announce(Scope::scene, index, "preparing the cost model");
@@ -241,9 +241,9 @@ void Worker::count_steps(TraceWork& trace) {
   values["triangle_tests_per_ray"] = a_ray(counts.triangle_tests);
 }
 
-void Worker::run(const OpenScene& open) {
+void Worker::run() {
   const std::size_t scene = plan_.cells[cells_.front()].scene;
-  if (!guarded(Spent::set_up, Scope::scene, scene, "opening the scene", [&] { open_the_scene(open); })) return;
+  if (!guarded(Spent::set_up, Scope::scene, scene, "opening the scene", [this] { open_the_scene(); })) return;
   sender_.send(SceneOpened{scene_->hash});
   // Loading and checking may use the whole machine, the methods only what the experiment gives them.
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
@@ -275,7 +275,7 @@ void Worker::run(const OpenScene& open) {
   time_group(group);
 }
 
-void run_worker(const Plan& plan, std::vector<std::size_t> cells, const OpenScene& open, Board& board,
+void run_worker(const Plan& plan, std::vector<std::size_t> cells, const WorkerOptions& options, Board& board,
                 const MessageSender& sender) {
   // An exception out of a noexcept function or a bare thread ends the process; its cause would be lost with it.
   static std::function<void()> tell;
@@ -294,7 +294,7 @@ void run_worker(const Plan& plan, std::vector<std::size_t> cells, const OpenScen
     tell();
     std::abort();
   });
-  Worker(plan, std::move(cells), board, sender).run(open);
+  Worker(plan, std::move(cells), options, board, sender).run();
 }
 
 }  // namespace raystudy

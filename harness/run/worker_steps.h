@@ -56,17 +56,18 @@ struct PipelineWork {
 /// What run_worker (worker.h) does, step by step.
 class Worker {
  public:
-  Worker(const Plan& plan, std::vector<std::size_t> cells, Board& board, const MessageSender& sender)
-      : plan_(plan), cells_(std::move(cells)), board_(board), sender_(sender) {}
+  Worker(const Plan& plan, std::vector<std::size_t> cells, const WorkerOptions& options, Board& board,
+         const MessageSender& sender)
+      : plan_(plan), cells_(std::move(cells)), options_(options), board_(board), sender_(sender) {}
 
-  void run(const OpenScene& open);
+  void run();
 
  private:
   bool guarded(Spent kind, Scope scope, std::size_t index, std::string_view stage, const std::function<void()>& work);
   void announce(Scope scope, std::size_t index, std::string_view stage);
   void fail(Scope scope, std::size_t index, std::string_view stage, const std::exception_ptr& error);
 
-  void open_the_scene(const OpenScene& open);
+  void open_the_scene();
   void make_rays();
   void build(PipelineWork& work);
   void check_tree(const PipelineWork& work);
@@ -80,6 +81,7 @@ class Worker {
 
   const Plan& plan_;
   std::vector<std::size_t> cells_;
+  const WorkerOptions& options_;
   Board& board_;
   const MessageSender& sender_;
   std::optional<Scene> scene_;

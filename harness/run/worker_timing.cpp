@@ -93,6 +93,7 @@ void Worker::time_group(std::vector<std::unique_ptr<PipelineWork>>& group) {
   }
   TimingOptions options;
   options.repetitions = plan_.repetitions;
+  options.sample_seconds = options_.sample_seconds;
   options.warm_up_seconds = plan_.warm_up_seconds;
   options.on_repetition = [this] { board_.count_repetition(); };
   time_interleaved(std::move(works), options);
