@@ -113,13 +113,10 @@ InterruptWatch::~InterruptWatch() {
 }
 
 bool InterruptWatch::interrupted() {
-  if (interrupt_flag == 0) {
-    sigset_t pending;
-    sigpending(&pending);
-    for (const int s : watched) {
-      if (sigismember(&pending, s) == 1) interrupt_flag = 1;
-    }
-  }
+  // Takes a pending signal away: left there, it would end the process as soon as it is let through again.
+  const sigset_t set = watched_set();
+  constexpr timespec at_once{};
+  while (sigtimedwait(&set, nullptr, &at_once) > 0) interrupt_flag = 1;
   return interrupt_flag != 0;
 }
 

@@ -44,11 +44,14 @@ class Run {
   [[nodiscard]] bool is_reusable(std::size_t cell);
   void run_scene(Pending& pending);
   void follow(Child& child, Board& board, Pending& pending);
-  void handle(const Message& message, Pending& pending);
+  void handle(const Message& message, const Board& board, Pending& pending);
   void record(std::size_t cell, CellResult result, Pending& pending);
   void fail_scope(Scope scope, std::size_t index, CellStatus status, const std::string& reason, Pending& pending);
   void show(const Board& board, const Pending& pending);
   [[nodiscard]] double seconds_left(const Board::Stage& stage) const;
+  [[nodiscard]] std::string timed_out(const Board::Stage& stage) const {
+    return fmt::format("timed out after {:g} s while {}", plan_.timeout_seconds, stage.text);
+  }
   [[nodiscard]] bool in_scope(std::size_t cell, Scope scope, std::size_t index) const;
 
   const Plan& plan_;
@@ -123,11 +126,17 @@ void Run::fail_scope(Scope scope, std::size_t index, CellStatus status, const st
   }
 }
 
-void Run::handle(const Message& message, Pending& pending) {
+void Run::handle(const Message& message, const Board& board, Pending& pending) {
   if (const auto* opened = std::get_if<SceneOpened>(&message)) {
     scene_hash_ = opened->hash;
   } else if (const auto* measured = std::get_if<CellMeasured>(&message)) {
-    record(measured->cell, measured->result, pending);
+    const Board::Stage stage = board.stage();
+    if (stage.scope == Scope::cell && stage.index == measured->cell && seconds_left(stage) <= 0) {
+      // Late, but done before it was looked for.
+      fail_scope(Scope::cell, measured->cell, CellStatus::failed, timed_out(stage), pending);
+    } else {
+      record(measured->cell, measured->result, pending);
+    }
   } else if (const auto* failed = std::get_if<ScopeFailed>(&message)) {
     fail_scope(failed->scope, failed->index, failed->status, failed->reason, pending);
   } else {
@@ -156,15 +165,15 @@ void Run::show(const Board& board, const Pending& pending) {
 
 /// Deals with a worker's messages until it ends, is late, or the run is interrupted.
 void Run::follow(Child& child, Board& board, Pending& pending) {
-  constexpr double look_again = 0.5;  // seconds; also how often a bar is drawn
+  // A stage may begin unseen while the parent waits for a message: it looks again and again. A bar is drawn as often.
+  const double look_again = plan_.timeout_seconds > 0 ? std::clamp(plan_.timeout_seconds / 4, 0.01, 0.5) : 0.5;
   MessageReceiver receiver(child.socket());
   while (!InterruptWatch::interrupted()) {
     const Board::Stage stage = board.stage();
     if (seconds_left(stage) <= 0) {
       child.kill();
       (void)child.wait();
-      fail_scope(stage.scope, stage.index, CellStatus::failed,
-                 fmt::format("timed out after {:g} s while {}", plan_.timeout_seconds, stage.text), pending);
+      fail_scope(stage.scope, stage.index, CellStatus::failed, timed_out(stage), pending);
       return;
     }
     if (!InterruptWatch::wait_readable(child.socket(), std::min(look_again, seconds_left(stage)))) {
@@ -173,7 +182,7 @@ void Run::follow(Child& child, Board& board, Pending& pending) {
     }
     if (!receiver.read()) break;
     while (const std::optional<Message> message = receiver.next()) {
-      handle(*message, pending);
+      handle(*message, board, pending);
       receiver.acknowledge();
     }
   }

@@ -12,11 +12,9 @@ namespace raystudy {
 /// The executable, running with its output in files.
 class Command {
  public:
-  struct Limits {
-    long file_bytes = 0;  ///< no file may grow beyond; 0: none
-  };
+  /// No file may grow beyond `file_bytes`; 0: no limit.
   Command(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
-          const std::map<std::string, std::string>& environment = {}, Limits limits = {});
+          const std::map<std::string, std::string>& environment = {}, long file_bytes = 0);
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
   ~Command();

@@ -28,16 +28,16 @@ void redirect(const std::filesystem::path& file, int descriptor) {
 }  // namespace
 
 Command::Command(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
-                 const std::map<std::string, std::string>& environment, Limits limits)
+                 const std::map<std::string, std::string>& environment, long file_bytes)
     : out_(folder / "out"), err_(folder / "err") {
   pid_ = fork();
   if (pid_ != 0) return;
   redirect(out_, STDOUT_FILENO);
   redirect(err_, STDERR_FILENO);
   for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
-  if (limits.file_bytes > 0) {
+  if (file_bytes > 0) {
     (void)std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{static_cast<rlim_t>(limits.file_bytes), static_cast<rlim_t>(limits.file_bytes)};
+    const rlimit limit{static_cast<rlim_t>(file_bytes), static_cast<rlim_t>(file_bytes)};
     setrlimit(RLIMIT_FSIZE, &limit);
   }
   std::string program = RAYSTUDY_BINARY_DIR "/bin/raystudy";

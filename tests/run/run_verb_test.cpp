@@ -22,7 +22,7 @@ using testing::HasSubstr;
 constexpr const char* experiment = R"(title: A small study
 repetitions: 2
 scenes:
-  - soup: {triangles: [1000, 2000, 3000, 4000]}
+  - soup: {triangles: [1000, 2000]}
 methods:
   sweep: {builder: sweep-sah}
   binned: {builder: binned-sah}
@@ -35,7 +35,7 @@ tables:
     columns:
       cost: {metric: cost}
 )";
-constexpr std::size_t cell_count = 16;  // 4 scenes, 2 builds and 2 traces each
+constexpr std::size_t cell_count = 8;  // 2 scenes, 2 builds and 2 traces each
 
 class RunVerb : public testing::Test {
  protected:
@@ -75,14 +75,14 @@ class RunVerb : public testing::Test {
 TEST_F(RunVerb, MeasuresPrintsTheTableAndReusesWhatIsThere) {
   Command first(folder, run_words(folder / "r"));
   EXPECT_EQ(first.wait(), 0) << first.err();
-  EXPECT_THAT(first.err(), HasSubstr("[16/16] "));
-  EXPECT_THAT(first.err(), HasSubstr("cells: 16 measured, 0 reused, 0 failed, 0 missing\n"));
+  EXPECT_THAT(first.err(), HasSubstr("[8/8] "));
+  EXPECT_THAT(first.err(), HasSubstr("cells: 8 measured, 0 reused, 0 failed, 0 missing\n"));
   EXPECT_THAT(first.out(), HasSubstr("sweep"));
   EXPECT_EQ(results_in(folder / "r").size(), cell_count);
   EXPECT_TRUE(fs::exists(folder / "r" / "small" / "google-benchmark"));
   Command third(folder, {"run", yaml.string()}, {{"RAYSTUDY_RESULTS", (folder / "r").string()}});
   EXPECT_EQ(third.wait(), 0);
-  EXPECT_THAT(third.err(), HasSubstr("cells: 0 measured, 16 reused, 0 failed, 0 missing\n"));
+  EXPECT_THAT(third.err(), HasSubstr("cells: 0 measured, 8 reused, 0 failed, 0 missing\n"));
 }
 
 TEST_F(RunVerb, KillingItLosesNothingThatIsMeasured) {
@@ -131,7 +131,7 @@ TEST_F(RunVerb, ShardsCopiedTogetherAreTheWhole) {
   fs::copy(folder / "part2", folder / "part1", fs::copy_options::recursive | fs::copy_options::skip_existing);
   Command merged(folder, run_words(folder / "part1"));
   EXPECT_EQ(merged.wait(), 0);
-  EXPECT_THAT(merged.err(), HasSubstr("cells: 0 measured, 16 reused"));
+  EXPECT_THAT(merged.err(), HasSubstr("cells: 0 measured, 8 reused"));
   const std::vector<fs::path> expected = results_in(folder / "whole");
   const std::vector<fs::path> found = results_in(folder / "part1");
   ASSERT_EQ(found.size(), expected.size());
@@ -151,10 +151,10 @@ TEST_F(RunVerb, OnlyMeasuresWhatIsNamedAndForceMeasuresItAgain) {
   const fs::path results = folder / "r";
   Command some(folder, run_words(results, {"--only", "*/binned"}));
   EXPECT_EQ(some.wait(), 0);
-  EXPECT_THAT(some.err(), HasSubstr("cells: 8 measured, 0 reused"));
+  EXPECT_THAT(some.err(), HasSubstr("cells: 4 measured, 0 reused"));
   Command again(folder, run_words(results, {"--only", "*/binned", "--force"}));
   EXPECT_EQ(again.wait(), 0);
-  EXPECT_THAT(again.err(), HasSubstr("cells: 8 measured, 0 reused"));
+  EXPECT_THAT(again.err(), HasSubstr("cells: 4 measured, 0 reused"));
 }
 
 TEST_F(RunVerb, AFolderThatCannotBeWrittenIsRefusedAtOnce) {
@@ -166,7 +166,7 @@ TEST_F(RunVerb, AFolderThatCannotBeWrittenIsRefusedAtOnce) {
 
 TEST_F(RunVerb, AFullDiskEndsItWithTheReason) {
   const fs::path results = folder / "r";
-  Command command(folder, run_words(results, {"--only", "*/binned"}), {}, {.file_bytes = 2000});
+  Command command(folder, run_words(results, {"--only", "*/binned"}), {}, 2000);
   EXPECT_EQ(command.wait(), 2);
   EXPECT_THAT(command.err(), testing::ContainsRegex("small/[0-9a-f]+\\.json: cannot write: File too large\n$"));
   EXPECT_TRUE(results_in(results).empty());

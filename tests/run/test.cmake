@@ -1,2 +1,2 @@
-# These tests run the executable itself.
+#These tests run the executable itself.
 add_dependencies(tests_run_test raystudy_cli)
