@@ -216,7 +216,10 @@ void Worker::check_trace(PipelineWork& work, std::size_t cell) {
     std::vector<Hit> hits(count);
     trace->session->trace(rays.batch.rays, hits, rays.batch.query);
     announce(Scope::cell, cell, "checking hits");
-    require_right(oracle_->check(rays.batch.rays, hits, rays.reference, rays.batch.query), rays.batch);
+    const bool watertight = trace->session->watertight();
+    const OracleReport report = oracle_->check(rays.batch.rays, hits, rays.reference, rays.batch.query, watertight);
+    require_right(report, rays.batch);
+    if (!watertight) trace->result.values["leaks"] = exact("1", static_cast<double>(report.leaks));
     const auto met = std::count_if(hits.begin(), hits.end(), [](const Hit& h) { return h.is_hit(); });
     trace->result.values["ray_count"] = exact("1", static_cast<double>(count));
     trace->result.values["hit_share"] = exact("1", static_cast<double>(met) / static_cast<double>(count));

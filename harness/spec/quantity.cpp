@@ -48,6 +48,7 @@ const std::vector<Quantity>& harness_quantities() {
       {"box_tests_per_ray", "1", "boxes tested a ray", true},
       {"triangle_tests_per_ray", "1", "triangles tested a ray", true},
       {"hit_share", "1", "share of the rays that hit something", true},
+      {"leaks", "1", "rays that slipped between triangles, of a tracer that is not watertight", true},
       {"ray_count", "1", "rays of the workload", true},
   };
   return all;
