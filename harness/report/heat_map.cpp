@@ -73,8 +73,9 @@ Image heat_legend(int width, const HeatMapOptions& options) {
     const int x = left + (right - left) * tick / 4;
     for (int y = bottom; y < bottom + text / 3; ++y) std::fill_n(legend.at(x, y), 3, 0.0F);
     const float value = options.min_steps + (options.max_steps - options.min_steps) * static_cast<float>(tick) / 4;
-    const char* beyond = tick == 4 ? "≥ " : tick == 0 && options.min_steps > 0 ? "≤ " : "";
-    draw_text(legend, x, bottom + text, fmt::format("{}{:.4g}", beyond, value), text, Vec3{0}, TextAlign::center);
+    // OpenImageIO 2.4 draws a wrong sign for "≥".
+    const char* beyond = tick == 4 ? "+" : "";
+    draw_text(legend, x, bottom + text, fmt::format("{:.4g}{}", value, beyond), text, Vec3{0}, TextAlign::center);
   }
   return legend;
 }

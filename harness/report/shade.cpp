@@ -16,9 +16,9 @@ constexpr int max_bounces = 4;
 constexpr float ambient_reach = 0.12F;  // of the scene's diagonal
 constexpr Vec3 horizon{0.80F, 0.86F, 0.92F};
 constexpr Vec3 zenith{0.30F, 0.48F, 0.80F};
-constexpr Vec3 ambient_light{0.40F, 0.43F, 0.47F};
+constexpr Vec3 ambient_light{0.34F, 0.38F, 0.44F};
 constexpr Vec3 unseen_light{0.035F, 0.033F, 0.030F};  // stands for light that bounced often
-constexpr float eye_light = 0.12F;
+constexpr float eye_light = 0.09F;
 
 Vec3 sky(Vec3 direction) {
   const float height = std::clamp(direction.y, 0.0F, 1.0F);

@@ -188,8 +188,12 @@ class Atrium {
       }
       if (tier_.ornament && i % 3 == 1) {
         mesh_.material(red_cloth + static_cast<std::uint32_t>(random_.below(3)));
-        const float drop = random_.uniform(2.4F, 3.1F);
-        banner(mesh_, detail_, place.moved({0.55F, 0.95F, -0.34F}), bay - 1.1F, drop, random_.uniform());
+        const float drop = random_.uniform(2.6F, 3.3F);
+        banner(mesh_, detail_, place.moved({0.55F, 0.66F, -0.84F}), bay - 1.1F, drop, random_.uniform());
+        mesh_.material(wood);
+        mesh_.box(place, {0.40F, 0.66F, -0.87F}, {bay - 0.40F, 0.72F, -0.81F});
+        mesh_.box(place, {0.60F, 0.66F, -0.81F}, {0.66F, 0.72F, 0});
+        mesh_.box(place, {bay - 0.66F, 0.66F, -0.81F}, {bay - 0.60F, 0.72F, 0});
       }
     }
   }
@@ -290,11 +294,11 @@ void make_atrium(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
   build_to_count(triangles, [&](Mesh& mesh, double density) { Atrium(mesh, *tier, density, seed).build(); }).move_into(scene);
 
   scene.materials = {
-      {.name = "wall", .color = {0.72F, 0.64F, 0.52F}},
-      {.name = "stone", .color = {0.62F, 0.56F, 0.47F}},
-      {.name = "marble", .color = {0.80F, 0.77F, 0.72F}},
-      {.name = "pavement", .color = {0.55F, 0.50F, 0.44F}},
-      {.name = "dark-pavement", .color = {0.34F, 0.29F, 0.26F}},
+      {.name = "wall", .color = {0.56F, 0.46F, 0.33F}},
+      {.name = "stone", .color = {0.52F, 0.45F, 0.36F}},
+      {.name = "marble", .color = {0.66F, 0.63F, 0.58F}},
+      {.name = "pavement", .color = {0.46F, 0.40F, 0.33F}},
+      {.name = "dark-pavement", .color = {0.22F, 0.17F, 0.14F}},
       {.name = "roof", .color = {0.56F, 0.25F, 0.15F}},
       {.name = "wood", .color = {0.27F, 0.17F, 0.10F}},
       {.name = "red-cloth", .color = {0.58F, 0.07F, 0.07F}},
@@ -306,7 +310,7 @@ void make_atrium(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
   const float hx = Atrium::half_x(*tier);
   const float hz = Atrium::half_z(*tier);
   scene.lights = {
-      {.name = "sun", .position = {0.34F, 0.85F, 0.30F}, .intensity = {1.15F, 1.08F, 0.95F}, .point_at_infinity = true}};
+      {.name = "sun", .position = {-0.42F, 0.85F, 0.36F}, .intensity = {1.35F, 1.22F, 1.0F}, .point_at_infinity = true}};
   scene.cameras = {
       {.name = "court", .eye = {-hx + 0.9F, 2.7F, hz * 0.45F}, .target = {hx * 0.6F, 3.1F, -hz * 0.35F}, .vertical_fov = 66},
       {.name = "gallery", .eye = {-hx - 0.6F, 1.9F, -hz - 1.9F}, .target = {hx * 0.5F, 2.3F, -hz + 0.2F}, .vertical_fov = 62}};

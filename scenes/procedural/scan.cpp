@@ -45,10 +45,8 @@ class Bust {
     nose_ = random.uniform(0.9F, 1.15F);
     brow_ = random.uniform(0.8F, 1.3F);
     beard_ = random.uniform(0.85F, 1.25F);
-    // The finest octave's wavelength, 2^-octaves of 5 cm, is near two triangles.
-    for (roughness_octaves_ = 1; roughness_octaves_ < 9 && 0.05F / static_cast<float>(1 << roughness_octaves_) > 2 * spacing;) {
-      ++roughness_octaves_;
-    }
+    // From 1 cm down to a wavelength of two triangles.
+    while (roughness_octaves_ < 6 && 0.01F / static_cast<float>(1 << roughness_octaves_) > 2 * spacing) ++roughness_octaves_;
   }
 
   [[nodiscard]] Vec3 at(float turns, ProfilePoint base, ProfilePoint normal) const {
@@ -62,7 +60,7 @@ class Bust {
 
  private:
   [[nodiscard]] float relief(Vec3 p, float front, float side) const {
-    float out = 0.0006F * fractal_noise(p * 20.0F, roughness_octaves_, seed_ ^ 0x77U);
+    float out = 0.00025F * fractal_noise(p * 100.0F, roughness_octaves_, seed_ ^ 0x77U);
     if (p.y > 0.13F && p.y < 0.40F) out += drapery(p, front);
     if (p.y > 0.40F) out += head(p, front, side);
     return out;
@@ -80,7 +78,7 @@ class Bust {
 
   [[nodiscard]] float head(Vec3 p, float front, float side) const {
     const float ax = std::fabs(p.x);
-    float out = smooth_step(0.1F, 0.5F, front) * face(ax, p.y);
+    float out = front > 0.1F ? smooth_step(0.1F, 0.5F, front) * face(ax, p.y) : 0;
     out += ear(p, std::fabs(side));
     // Hair reaches down to the brow's height in front, to the neck behind; the beard covers jaw and chin.
     const float hairline =
@@ -91,9 +89,11 @@ class Bust {
     const float chin = smooth_step(-0.05F, 0.25F, front) * smooth_step(0.415F, 0.440F, p.y) *
                        (1 - smooth_step(cheek - 0.006F, cheek + 0.010F, p.y)) * (1 - mouth);
     const float moustache = smooth_step(0.5F, 0.8F, front) * blob(ax, p.y, 0.016F, 0.5035F - 0.25F * ax, 0.026F, 0.0075F);
-    out += hair * (0.007F + curls(p, 52, 0.0075F));
-    out += beard_ * chin * (0.008F + 0.014F * blob(ax, p.y, 0, 0.452F, 0.05F, 0.05F) + curls(p + Vec3{3, 0, 0}, 60, 0.0065F));
-    out += moustache * (0.0055F + curls(p, 90, 0.002F));
+    if (hair > 0) out += hair * (0.007F + curls(p, 52, 0.0075F));
+    if (chin > 0) {
+      out += beard_ * chin * (0.008F + 0.014F * blob(ax, p.y, 0, 0.452F, 0.05F, 0.05F) + curls(p + Vec3{3, 0, 0}, 60, 0.0065F));
+    }
+    if (moustache > 0) out += moustache * (0.0055F + curls(p, 90, 0.002F));
     return out;
   }
 
@@ -131,8 +131,8 @@ class Bust {
   /// Locks: a ridged noise bent by a coarser one, so that its lines curl.
   [[nodiscard]] float curls(Vec3 p, float frequency, float height) const {
     const Vec3 q = p * (0.5F * frequency);
-    const Vec3 bend{gradient_noise(q, seed_ ^ 0x21U), gradient_noise(q + Vec3{7, 3, 1}, seed_ ^ 0x22U),
-                    gradient_noise(q + Vec3{2, 9, 5}, seed_ ^ 0x23U)};
+    const float turn = gradient_noise(q, seed_ ^ 0x21U);
+    const Vec3 bend{turn, gradient_noise(q + Vec3{7, 3, 1}, seed_ ^ 0x22U), -turn};
     const Vec3 r = p * frequency + bend * 1.5F;
     const float lock = 1 - 2.2F * std::fabs(gradient_noise(r, seed_ ^ 0x24U));
     const float strands = 1 - 2.0F * std::fabs(gradient_noise(r * 3.1F + bend, seed_ ^ 0x25U));
@@ -143,7 +143,7 @@ class Bust {
   float nose_ = 1;
   float brow_ = 1;
   float beard_ = 1;
-  int roughness_octaves_ = 1;
+  int roughness_octaves_ = 0;
 };
 
 /// Points of the outline at even distances, and the outline's normals there.

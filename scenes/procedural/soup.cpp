@@ -47,7 +47,7 @@ void make_soup(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
                      {.name = "yellow", .color = {0.78F, 0.68F, 0.20F}}, {.name = "green", .color = {0.22F, 0.52F, 0.24F}},
                      {.name = "blue", .color = {0.14F, 0.30F, 0.62F}},   {.name = "white", .color = {0.80F, 0.80F, 0.78F}}};
   scene.lights = {{.name = "sun", .position = {0.45F, 0.8F, 0.6F}, .intensity = Vec3{1}, .point_at_infinity = true}};
-  scene.cameras = {{.name = "outside", .eye = {1.55F, 1.25F, 1.9F}, .target = {0.5F, 0.46F, 0.5F}, .vertical_fov = 42},
+  scene.cameras = {{.name = "outside", .eye = {1.65F, 1.35F, 2.05F}, .target = {0.5F, 0.47F, 0.5F}, .vertical_fov = 42},
                    {.name = "inside", .eye = {0.5F, 0.5F, 0.98F}, .target = {0.45F, 0.45F, 0}, .vertical_fov = 70}};
 }
 

@@ -19,8 +19,14 @@ enum : std::uint32_t { meadow, light_grass, dark_grass, track, line, concrete, s
 
 constexpr Vec3 field{52.5F, 0, 34};  // half sizes of the pitch in metres
 
-/// A point of the stand's ground plan, `out` metres outside the running track's inner edge.
-Vec3 oval(float turns, float out, float height) { return {(62 + out) * cos_turns(turns), height, (46 + out) * sin_turns(turns)}; }
+/// A point of the stand's ground plan, `out` metres outside the running track's inner edge: the superellipse of exponent 4, whose
+/// corners leave room for the pitch's.
+Vec3 oval(float turns, float out, float height) {
+  const float c = cos_turns(turns);
+  const float s = sin_turns(turns);
+  const float size = 1 / std::sqrt(std::sqrt(squared(squared(c / (62 + out))) + squared(squared(s / (43 + out)))));
+  return {size * c, height, size * s};
+}
 
 /// The bowl around the teapot: few, large triangles.
 class Stands {
@@ -194,7 +200,7 @@ class Teapot {
     if (y > 0 && y < 1) {
       const float x = u * 20 + 0.5F * sin_turns(0.5F * y);
       const float across = (2 * (x - std::floor(x)) - 1) / max(0.1F, sin_turns(0.5F * y));
-      if (across * across < 1) out += 0.0016F * (1 - across * across) * (1 - 0.5F * bump(squared(4 * across)));
+      if (across * across < 1) out += 0.0026F * (1 - across * across) * (1 - 0.5F * bump(squared(4 * across)));
     }
     return out + 0.0006F * fractal_noise(p * 60.0F, 4, seed_);
   }
@@ -216,8 +222,8 @@ class Teapot {
     const int nu = detail_.cells(96, 10);
     mesh_.grid(nu, detail_.cells(60, 6), true, [&](float u, float v) {
       const ProfilePoint p = on_profile(profile, v);
-      const Vec3 at{p.radius * cos_turns(-u), table_top + p.height, p.radius * sin_turns(-u)};
-      return at * Vec3{1, 1, 1} + Vec3{cos_turns(-u), 0, sin_turns(-u)} * relief(u, v, at);
+      const Vec3 on{p.radius * cos_turns(-u), table_top + p.height, p.radius * sin_turns(-u)};
+      return on + Vec3{cos_turns(-u), 0, sin_turns(-u)} * relief(u, v, on);
     });
   }
 
@@ -280,12 +286,12 @@ void make_stadium(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
   }).move_into(scene);
   scene.materials = {
       {.name = "meadow", .color = {0.20F, 0.25F, 0.11F}},
-      {.name = "light-grass", .color = {0.16F, 0.36F, 0.09F}},
-      {.name = "dark-grass", .color = {0.11F, 0.28F, 0.07F}},
-      {.name = "track", .color = {0.50F, 0.17F, 0.10F}},
+      {.name = "light-grass", .color = {0.15F, 0.28F, 0.08F}},
+      {.name = "dark-grass", .color = {0.11F, 0.22F, 0.06F}},
+      {.name = "track", .color = {0.42F, 0.15F, 0.09F}},
       {.name = "line", .color = {0.80F, 0.80F, 0.78F}},
       {.name = "concrete", .color = {0.46F, 0.45F, 0.43F}},
-      {.name = "seats", .color = {0.13F, 0.24F, 0.48F}},
+      {.name = "seats", .color = {0.12F, 0.19F, 0.34F}},
       {.name = "roof", .color = {0.66F, 0.67F, 0.68F}},
       {.name = "steel", .color = {0.42F, 0.44F, 0.46F}},
       {.name = "lamp", .kind = MaterialKind::emitter, .color = Vec3{1}, .emission = {3, 3, 2.7F}},
