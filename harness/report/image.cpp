@@ -86,7 +86,7 @@ Image tone_mapped(const Image& radiance, float exposure) {
   Image result = radiance;
   result.kind = ImageKind::color;
   for (float& value : result.pixels) {
-    const float x = std::max(0.0F, value * exposure);
+    const float x = std::max(0.0F, 0.6F * exposure * value);  // 0.6: the curve's own pre-exposure
     value = std::min(1.0F, x * (2.51F * x + 0.03F) / (x * (2.43F * x + 0.59F) + 0.14F));
   }
   return result;

@@ -312,7 +312,7 @@ void make_atrium(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
   scene.lights = {
       {.name = "sun", .position = {-0.42F, 0.85F, 0.36F}, .intensity = {1.35F, 1.22F, 1.0F}, .point_at_infinity = true}};
   scene.cameras = {
-      {.name = "court", .eye = {-hx + 0.9F, 2.7F, hz * 0.45F}, .target = {hx * 0.6F, 3.1F, -hz * 0.35F}, .vertical_fov = 66},
+      {.name = "court", .eye = {-hx + 0.9F, 2.7F, hz * 0.22F}, .target = {hx * 0.6F, 3.2F, -hz * 0.25F}, .vertical_fov = 66},
       {.name = "gallery", .eye = {-hx - 0.6F, 1.9F, -hz - 1.9F}, .target = {hx * 0.5F, 2.3F, -hz + 0.2F}, .vertical_fov = 62}};
 }
 

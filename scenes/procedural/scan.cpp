@@ -260,7 +260,7 @@ void make_scan(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
   }
   scene.vertices = SharedArray<Vec3>(std::move(vertices));
   scene.triangles = SharedArray<Triangle>(std::move(corners));
-  scene.materials = {{.name = "marble", .color = {0.76F, 0.73F, 0.68F}}};
+  scene.materials = {{.name = "marble", .color = {0.58F, 0.55F, 0.50F}}};
   scene.lights = {
       {.name = "key", .position = {-0.75F, 0.75F, 0.62F}, .intensity = Vec3{1}, .point_at_infinity = true},
       {.name = "rim", .position = {0.9F, 0.25F, -0.5F}, .intensity = {0.35F, 0.38F, 0.45F}, .point_at_infinity = true}};

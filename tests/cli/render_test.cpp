@@ -1,0 +1,106 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+namespace raystudy {
+namespace {
+
+struct Outcome {
+  int code = 0;
+  std::string text;  ///< standard output and error
+};
+
+Outcome raystudy(const std::string& arguments) {
+  const std::string command = std::string(RAYSTUDY_BINARY_DIR) + "/bin/raystudy " + arguments + " 2>&1";
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  Outcome outcome;
+  std::array<char, 4096> buffer{};
+  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) outcome.text += buffer.data();
+  outcome.code = WEXITSTATUS(::pclose(pipe));
+  return outcome;
+}
+
+class Render : public testing::Test {
+ protected:
+  Render() { std::filesystem::create_directories(folder_); }
+  ~Render() override { std::filesystem::remove_all(folder_); }
+  [[nodiscard]] std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  void expect_error(const std::string& arguments, const std::string& message) const {
+    const Outcome outcome = raystudy("render " + arguments);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_EQ(outcome.text, message + "\n");
+    EXPECT_TRUE(std::filesystem::is_empty(folder_));
+  }
+
+ private:
+  std::filesystem::path folder_ = std::filesystem::temp_directory_path() / fmt::format("raystudy-render-{}", ::getpid());
+};
+
+constexpr const char* small = "atrium --triangles 1000 --width 32 --height 24 --samples 1 --ambient-rays 1";
+
+TEST_F(Render, ShadesAScene) {
+  for (const char* name : {"a.png", "a.exr"}) {
+    const Outcome outcome = raystudy(fmt::format("render {} --camera gallery -o {}", small, file(name)));
+    EXPECT_EQ(outcome.code, 0) << outcome.text;
+    EXPECT_THAT(outcome.text, testing::HasSubstr("atrium of 1002 triangles, camera 'gallery'"));
+    EXPECT_GT(std::filesystem::file_size(file(name)), 100U);
+  }
+}
+
+TEST_F(Render, MapsTraversalSteps) {
+  const std::string map = fmt::format("render {} --heat-map --workload primary -o ", small);
+  const Outcome outcome = raystudy(map + file("h.png") + " --optimize insertion --max-steps 60");
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, testing::HasSubstr("traversal steps per ray"));
+  EXPECT_TRUE(std::filesystem::exists(file("h.png")));
+  EXPECT_EQ(raystudy(map + file("h.exr")).code, 0);
+}
+
+TEST_F(Render, UnknownSceneGivesTheNearest) {
+  expect_error("atrim -o " + file("a.png"),
+               "there is no scene 'atrim'; expected a name that 'raystudy scene list' shows; did you mean 'atrium'?");
+}
+
+TEST_F(Render, UnknownCameraGivesTheNearest) {
+  const std::string message = "scene 'atrium' has no camera 'cort'; expected one of court, gallery; did you mean 'court'?";
+  expect_error("atrium --triangles 1000 --camera cort -o " + file("a.png"), message);
+  expect_error("atrium --triangles 1000 --heat-map --camera cort -o " + file("a.png"), message);
+}
+
+TEST_F(Render, TriangleCountsHaveARange) {
+  expect_error("atrium --triangles 10 -o " + file("a.png"),
+               "scene 'atrium' of 10 triangles; expected 1000 to 100000000 triangles");
+}
+
+TEST_F(Render, OnlyPngAndExrAreWritten) {
+  expect_error("atrium -o a.jpg", "cannot write 'a.jpg' as an image; expected a name ending in .png or .exr");
+}
+
+TEST_F(Render, UnwritableOutput) {
+  expect_error("atrium -o /proc/nowhere/a.png", "/proc/nowhere: cannot make the folder: No such file or directory");
+}
+
+TEST_F(Render, SamplesAreASquare) {
+  expect_error("atrium --samples 3 -o " + file("a.png"), "--samples is 3; expected a square number such as 4");
+}
+
+TEST_F(Render, MethodsMustFit) {
+  expect_error("atrium --builder embree --tracer scalar -o " + file("a.png"),
+               "tracer 'scalar' cannot trace what builder 'embree' makes ('embree'); expected one of embree");
+  expect_error("atrium --triangles 1000 --heat-map --builder embree -o " + file("a.png"),
+               "this tracer cannot count traversal steps; expected a tracer that counts, such as 'scalar'");
+  expect_error("atrium --heat-map --workload random -o " + file("a.png"),
+               "the rays of workload 'random' do not belong to pixels; expected one of ambient-occlusion, primary");
+  const Outcome outcome = raystudy("render atrium --builder sweep-sha -o " + file("a.png"));
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.text, testing::HasSubstr("did you mean 'sweep-sah'?"));
+}
+
+}  // namespace
+}  // namespace raystudy
