@@ -17,4 +17,4 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/RaystudyConfig.cmake.i
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/RaystudyConfigVersion.cmake COMPATIBILITY ExactVersion)
 install(FILES ${PROJECT_BINARY_DIR}/RaystudyConfig.cmake ${PROJECT_BINARY_DIR}/RaystudyConfigVersion.cmake DESTINATION ${package_dir})
 install(FILES ${PROJECT_SOURCE_DIR}/scenes/catalog.yaml DESTINATION ${CMAKE_INSTALL_DATADIR}/raystudy)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/results/published DESTINATION ${CMAKE_INSTALL_DATADIR}/raystudy)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/harness/report/vega ${PROJECT_SOURCE_DIR}/results/published DESTINATION ${CMAKE_INSTALL_DATADIR}/raystudy)

@@ -206,7 +206,7 @@ class TableBuilder {
       for (const ReportColumn& column : table_.columns) {
         ReportCell cell;
         cell.absence = not_at_hand;
-        cell.reason = scene.comparability == Comparability::absent
+        cell.reason = scene.ours.empty()
                           ? fmt::format("scene not installed: {}", scene.reason)
                           : fmt::format("scene not in this experiment: {} is our '{}'", scene.name, scene.ours);
         if (column.published != nullptr && column.published->values.contains(scene.name)) {

@@ -1,0 +1,138 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "harness/method/registry.h"
+#include "harness/report/figure.h"
+#include "harness/report/picture.h"
+#include "harness/run/pipeline.h"
+#include "harness/scene/open.h"
+
+namespace raystudy {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class T>
+const T& labelled(const std::vector<T>& things, const std::string& label) {
+  return *std::find_if(things.begin(), things.end(), [&](const T& thing) { return thing.label == label; });
+}
+
+/// A label as part of a file's name.
+std::string file_part(std::string label) {
+  for (char& c : label) {
+    if (c == '/' || c == ' ') c = '-';
+  }
+  return label;
+}
+
+/// One scene of a figure, with what its pictures have in common.
+class SceneDrawer {
+ public:
+  SceneDrawer(const FigureSpec& figure, const Plan& plan, const SceneSpec& spec, fs::path folder, FigureOutcome& outcome)
+      : figure_(figure),
+        plan_(plan),
+        spec_(spec),
+        folder_(std::move(folder)),
+        outcome_(outcome),
+        scene_(open_scene(spec.name, spec.triangles, spec.seed)) {}
+
+  void render() {
+    const MethodRef& workload = labelled(plan_.workloads, figure_.workloads.front()).workload;
+    PipelineSpec embree;
+    embree.builder = Registry::instance().ref(Role::builder, "embree");
+    const auto accel = build(embree);
+    const auto tracer = Registry::instance().create<Tracer>(Registry::instance().ref(Role::tracer, "embree"));
+    const auto session = tracer->prepare(*accel, scene_, plan_.threads, false);
+    RenderOptions options;
+    options.width = static_cast<int>(workload.params->integer("width"));
+    options.height = static_cast<int>(workload.params->integer("height"));
+    options.seed = plan_.seed;
+    write(tone_mapped(render_shaded(scene_, scene_.camera(workload.params->text("camera")), *session, options)), "", ".png");
+  }
+
+  void heat_maps() {
+    HeatMapOptions options;
+    if (const auto highest = figure_.options.find("highest"); highest != figure_.options.end()) {
+      options.max_steps = std::strtof(highest->second.c_str(), nullptr);
+    }
+    std::vector<Image> images;
+    std::vector<std::string> labels;
+    for (const std::string& method : figure_.methods) {
+      const StepMap map = steps(method);
+      write(step_image(map), method, ".exr");
+      const Image image = heat_map(map, options);
+      write(image, method, ".png");
+      images.push_back(image);
+      labels.push_back(fmt::format("{}: {:.1f} steps per ray", method, map.mean));
+      outcome_.remarks.push_back(fmt::format("{}, {}: {:.2f} traversal steps per ray", spec_.label, method, map.mean));
+    }
+    if (images.size() > 1) write(side_by_side(images, labels), "", ".png");
+  }
+
+ private:
+  [[nodiscard]] std::unique_ptr<Accel> build(const PipelineSpec& spec) const {
+    BuildContext context;
+    context.threads = plan_.threads;
+    context.seed = plan_.seed;
+    context.cost = make_cost_model(plan_.cost, scene_, plan_.threads, plan_.seed);
+    StageTimes times;
+    return Pipeline(spec).run(scene_, context, times);
+  }
+
+  StepMap steps(const std::string& method) {
+    const auto accel = build(labelled(plan_.pipelines, method));
+    const auto tracer = Registry::instance().create<Tracer>(labelled(plan_.tracers, figure_.tracer).tracer);
+    const auto session = tracer->prepare(*accel, scene_, plan_.threads, false);
+    if (batches_.empty()) {
+      const WorkloadContext context{.seed = plan_.seed,
+                                    .closest_hits = [&session](std::span<const Ray> rays, std::span<Hit> hits) {
+                                      session->trace(rays, hits, Query::closest_hit);
+                                    }};
+      for (const std::string& label : figure_.workloads) {
+        const auto workload = Registry::instance().create<Workload>(labelled(plan_.workloads, label).workload);
+        batches_.push_back(workload->generate(scene_, context));
+      }
+    }
+    return count_steps(*session, batches_);
+  }
+
+  /// NAME[-SCENE][-METHOD]: the scene where the figure has several.
+  void write(const Image& image, const std::string& method, const std::string& extension) {
+    std::string name = figure_.name;
+    if (figure_.scenes.size() > 1) name += '-' + file_part(spec_.label);
+    if (!method.empty()) name += '-' + file_part(method);
+    const fs::path file = folder_ / (name + extension);
+    write_image(file, image);
+    outcome_.files.push_back(file);
+  }
+
+  const FigureSpec& figure_;
+  const Plan& plan_;
+  const SceneSpec& spec_;
+  fs::path folder_;
+  FigureOutcome& outcome_;
+  Scene scene_;
+  std::vector<RayBatch> batches_;  ///< the same rays for every method
+};
+
+}  // namespace
+
+void draw_pictures(const FigureSpec& figure, const Plan& plan, const fs::path& folder, FigureOutcome& outcome) {
+  for (const std::string& label : figure.scenes) {
+    try {
+      SceneDrawer drawer(figure, plan, labelled(plan.scenes, label), folder, outcome);
+      if (figure.kind == "render") {
+        drawer.render();
+      } else {
+        drawer.heat_maps();
+      }
+    } catch (const Error& error) {
+      outcome.failed = true;
+      outcome.gaps.push_back(fmt::format("{}: {}", label, error.what()));
+    }
+  }
+}
+
+}  // namespace raystudy
