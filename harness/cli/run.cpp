@@ -10,6 +10,7 @@
 
 #include "harness/cli/plan_options.h"
 #include "harness/cli/verb.h"
+#include "harness/report/figure.h"
 #include "harness/report/report.h"
 #include "harness/run/provenance.h"
 
@@ -47,11 +48,15 @@ void apply(const RunFlags& flags, const CLI::App& app, Plan& plan) {
 }
 
 /// Of the whole experiment, whatever part of it this run measured.
-void print_report(const RunFlags& flags, const CLI::App& app) {
+void print_report(const RunFlags& flags, const CLI::App& app, bool draw) {
   Plan plan = read_plan(flags.plan.file, read_scale(flags.plan.scale));
   apply(flags, app, plan);
-  print_tables(Report(std::move(plan), flags.results), std::cout);
+  const Report report(std::move(plan), flags.results);
+  print_tables(report, std::cout);
   std::cout.flush();
+  if (!draw) return;
+  const std::filesystem::path folder = results_folder(report.plan(), flags.results) / "figures";
+  for (const FigureOutcome& outcome : write_figures(report, folder)) fmt::print(stderr, "{}", outcome_text(outcome));
 }
 
 int run(const RunFlags& flags, const CLI::App& app) {
@@ -64,7 +69,7 @@ int run(const RunFlags& flags, const CLI::App& app) {
   options.force = flags.force;
   options.command = flags.command;
   const RunSummary summary = run_plan(plan, options);
-  print_report(flags, app);
+  print_report(flags, app, !summary.interrupted);
   fmt::print(stderr, "{}\n", summary.text());
   if (summary.interrupted) {
     fmt::print(stderr, "interrupted; what is measured is kept, and the same command goes on from there\n");

@@ -38,27 +38,18 @@ class SceneDrawer {
         outcome_(outcome),
         scene_(open_scene(spec.name, spec.triangles, spec.seed)) {}
 
-  void render() {
-    const MethodRef& workload = labelled(plan_.workloads, figure_.workloads.front()).workload;
-    PipelineSpec embree;
-    embree.builder = Registry::instance().ref(Role::builder, "embree");
-    const auto accel = build(embree);
-    const auto tracer = Registry::instance().create<Tracer>(Registry::instance().ref(Role::tracer, "embree"));
-    const auto session = tracer->prepare(*accel, scene_, plan_.threads, false);
-    RenderOptions options;
-    options.width = static_cast<int>(workload.params->integer("width"));
-    options.height = static_cast<int>(workload.params->integer("height"));
-    options.seed = plan_.seed;
-    write(tone_mapped(render_shaded(scene_, scene_.camera(workload.params->text("camera")), *session, options)), "", ".png");
-  }
+  void render() { write(shaded(), "", ".png"); }
 
   void heat_maps() {
     HeatMapOptions options;
     if (const auto highest = figure_.options.find("highest"); highest != figure_.options.end()) {
       options.max_steps = std::strtof(highest->second.c_str(), nullptr);
     }
-    std::vector<Image> images;
-    std::vector<std::string> labels;
+    if (const auto lowest = figure_.options.find("lowest"); lowest != figure_.options.end()) {
+      options.min_steps = std::strtof(lowest->second.c_str(), nullptr);
+    }
+    std::vector<Image> images{shaded()};
+    std::vector<std::string> labels{"rendered"};
     for (const std::string& method : figure_.methods) {
       const StepMap map = steps(method);
       write(step_image(map), method, ".exr");
@@ -68,7 +59,11 @@ class SceneDrawer {
       labels.push_back(fmt::format("{}: {:.1f} steps per ray", method, map.mean));
       outcome_.remarks.push_back(fmt::format("{}, {}: {:.2f} traversal steps per ray", spec_.label, method, map.mean));
     }
-    if (images.size() > 1) write(side_by_side(images, labels), "", ".png");
+    // White below the rendered image, where the others have their legend.
+    Image& first = images.front();
+    first.height = images.back().height;
+    first.pixels.resize(images.back().pixels.size(), 1.0F);
+    write(side_by_side(images, labels), "", ".png");
   }
 
  private:
@@ -79,6 +74,21 @@ class SceneDrawer {
     context.cost = make_cost_model(plan_.cost, scene_, plan_.threads, plan_.seed);
     StageTimes times;
     return Pipeline(spec).run(scene_, context, times);
+  }
+
+  /// The view of the first workload, at its size.
+  [[nodiscard]] Image shaded() const {
+    const MethodRef& workload = labelled(plan_.workloads, figure_.workloads.front()).workload;
+    PipelineSpec embree;
+    embree.builder = Registry::instance().ref(Role::builder, "embree");
+    const auto accel = build(embree);
+    const auto tracer = Registry::instance().create<Tracer>(Registry::instance().ref(Role::tracer, "embree"));
+    const auto session = tracer->prepare(*accel, scene_, plan_.threads, false);
+    RenderOptions options;
+    options.width = static_cast<int>(workload.params->integer("width"));
+    options.height = static_cast<int>(workload.params->integer("height"));
+    options.seed = plan_.seed;
+    return tone_mapped(render_shaded(scene_, scene_.camera(workload.params->text("camera")), *session, options));
   }
 
   StepMap steps(const std::string& method) {

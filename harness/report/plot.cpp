@@ -66,7 +66,7 @@ void add_styles(Json& encoding, const FigureSpec& figure) {
     colors.push_back(style.color);
     dashes.push_back(style.dash.empty() ? Json::array({1, 0}) : Json(style.dash));
   }
-  const Json legend{{"title", nullptr}};
+  const Json legend{{"title", nullptr}, {"symbolType", "stroke"}};
   encoding["color"] = {
       {"field", "method"}, {"type", "nominal"}, {"scale", {{"domain", names}, {"range", colors}}}, {"legend", legend}};
   encoding["strokeDash"] = {
@@ -140,38 +140,40 @@ Json depth_histogram(const FigureSpec& figure, const Report& report, std::vector
     }
   }
   if (rows.empty()) return {};
-  Json line = Json::array();
-  for (const std::string& scene : figure.scenes) {
-    for (const auto& [name, nodes] : sides) {
-      Json encoding{
-          {"x",
-           {{"field", "depth"}, {"type", "quantitative"}, {"title", "depth"}, {"axis", {{"tickMinStep", 1}, {"format", "d"}}}}},
-          {"y", {{"field", "area"}, {"type", "quantitative"}, {"title", "sum of surface areas / area of the root"}}}};
-      add_styles(encoding, figure);
-      const std::string title = figure.scenes.size() > 1 ? fmt::format("{}: {}", scene, nodes) : nodes;
-      line.push_back(
-          {{"title", {{"text", title}, {"fontSize", 13}, {"fontWeight", "normal"}, {"anchor", "middle"}, {"offset", 8}}},
-           {"width", 380},
-           {"height", 280},
-           {"transform",
-            Json::array({{{"filter", fmt::format("datum.nodes == '{}' && datum.scene == {}", nodes, Json(scene).dump())}}})},
-           {"mark", {{"type", "line"}, {"interpolate", "linear"}}},
-           {"encoding", std::move(encoding)}});
-    }
-  }
+  Json encoding{
+      {"x", {{"field", "depth"}, {"type", "quantitative"}, {"title", "depth"}, {"axis", {{"tickMinStep", 1}, {"format", "d"}}}}},
+      {"y", {{"field", "area"}, {"type", "quantitative"}, {"title", "sum of surface areas / area of the root"}}}};
+  add_styles(encoding, figure);
   Json spec = document(figure, std::move(rows));
-  spec["columns"] = 2;
-  spec["spacing"] = 30;
-  spec["concat"] = std::move(line);
+  const Json header{{"title", nullptr}, {"labelFontSize", 13}};
+  spec["facet"]["column"] = {
+      {"field", "nodes"}, {"type", "nominal"}, {"sort", {sides[0].second, sides[1].second}}, {"header", header}};
+  if (figure.scenes.size() > 1) {
+    spec["facet"]["row"] = {{"field", "scene"}, {"type", "nominal"}, {"sort", figure.scenes}, {"header", header}};
+  }
+  spec["spec"] = {{"width", 380}, {"height", 280}, {"mark", "line"}, {"encoding", std::move(encoding)}};
+  spec["resolve"] = {{"scale", {{"y", "independent"}}}};
   return spec;
 }
 
-Json scale_of(const FigureSpec& figure, const std::string& option) {
-  const bool logarithmic = figure.options.contains(option) && figure.options.at(option) == "true";
-  return logarithmic ? Json{{"type", "log"}, {"nice", false}} : Json{{"zero", false}, {"nice", true}};
-}
 bool is_logarithmic(const FigureSpec& figure, const std::string& option) {
   return figure.options.contains(option) && figure.options.at(option) == "true";
+}
+
+/// A position channel. `logarithmic` names the figure's option.
+Json axis(const FigureSpec& figure, const std::string& field, const std::string& title, const std::string& logarithmic,
+          const std::string& format) {
+  Json channel{{"field", field}, {"type", "quantitative"}, {"title", title}, {"axis", {{"format", format}}}};
+  if (!is_logarithmic(figure, logarithmic)) {
+    channel["scale"] = {{"zero", false}, {"nice", true}};
+    return channel;
+  }
+  channel["scale"] = {{"type", "log"}, {"nice", true}};
+  // Labels at 1, 2 and 5 of each decade only: Vega's own choice leaves gaps and odd ones.
+  channel["axis"]["labelOverlap"] = false;
+  channel["axis"]["labelExpr"] =
+      "indexof([1, 2, 5], round(datum.value / pow(10, floor(log(datum.value) / LN10 + 1e-9)))) >= 0 ? datum.label : ''";
+  return channel;
 }
 
 /// A series over its own axis. A logarithmic axis has no place for 0: such points are left out, and that is said.
@@ -199,16 +201,9 @@ Json series_plot(const FigureSpec& figure, const Report& report, const std::stri
   if (rows.empty()) return {};
   if (left_out > 0) gaps.push_back(fmt::format("{} points at 0 have no place on a logarithmic axis", left_out));
   const std::string x_name = first.x_name == "seconds" ? "time" : words(first.x_name);
-  Json encoding{{"x",
-                 {{"field", "x"},
-                  {"type", "quantitative"},
-                  {"title", with_unit(x_name, first.x_unit)},
-                  {"scale", scale_of(figure, "log_x")}}},
-                {"y",
-                 {{"field", "y"},
-                  {"type", "quantitative"},
-                  {"title", with_unit(words(quantity == "cost_over_time" ? "cost" : quantity), first.unit)},
-                  {"scale", scale_of(figure, "log_y")}}}};
+  const std::string y_name = quantity == "cost_over_time" ? "cost" : words(quantity);
+  Json encoding{{"x", axis(figure, "x", with_unit(x_name, first.x_unit), "log_x", "~g")},
+                {"y", axis(figure, "y", with_unit(y_name, first.unit), "log_y", "~g")}};
   add_styles(encoding, figure);
   return panels(figure, scenes, std::move(rows),
                 {{"width", 420},
@@ -248,17 +243,8 @@ Json scaling_plot(const FigureSpec& figure, const Report& report, const std::str
     }
   }
   if (rows.empty()) return {};
-  Json encoding{{"x",
-                 {{"field", "x"},
-                  {"type", "quantitative"},
-                  {"title", "triangles"},
-                  {"scale", scale_of(figure, "log_x")},
-                  {"axis", {{"format", "~s"}}}}},
-                {"y",
-                 {{"field", "y"},
-                  {"type", "quantitative"},
-                  {"title", with_unit(words(quantity), unit)},
-                  {"scale", scale_of(figure, "log_y")}}}};
+  Json encoding{{"x", axis(figure, "x", "triangles", "log_x", "~s")},
+                {"y", axis(figure, "y", with_unit(words(quantity), unit), "log_y", "~g")}};
   Json intervals = encoding;
   intervals["y"]["field"] = "low";
   intervals["y2"] = {{"field", "high"}};

@@ -71,7 +71,9 @@ void run_program(const std::vector<std::string>& words) {
 
 fs::path vega_folder() {
   const char* folder = std::getenv("RAYSTUDY_VEGA");
-  return folder != nullptr && *folder != '\0' ? fs::path(folder) : user_cache() / "vega";
+  if (folder != nullptr && *folder != '\0') return folder;
+  if (const auto cache = user_cache()) return *cache / "vega";
+  throw Error("there is no folder for the user's cache; expected RAYSTUDY_VEGA, XDG_CACHE_HOME or HOME in the environment");
 }
 
 std::string vega_problem() {
