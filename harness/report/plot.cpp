@@ -45,7 +45,7 @@ Json config() {
             {"labelLimit", 400},
             {"orient", "bottom"}}},
           {"title", {{"fontSize", 15}, {"anchor", "start"}, {"fontWeight", "bold"}, {"offset", 14}, {"subtitleFontSize", 12}}},
-          {"line", {{"strokeWidth", 2.25}}}};
+          {"line", {{"strokeWidth", 2.25}, {"strokeJoin", "round"}}}};
 }
 
 Json document(const FigureSpec& figure, Json rows) {
@@ -168,11 +168,13 @@ Json axis(const FigureSpec& figure, const std::string& field, const std::string&
     channel["scale"] = {{"zero", false}, {"nice", true}};
     return channel;
   }
-  channel["scale"] = {{"type", "log"}, {"nice", true}};
+  channel["scale"] = {{"type", "log"}, {"nice", false}, {"padding", 12}};
   // Labels at 1, 2 and 5 of each decade only: Vega's own choice leaves gaps and odd ones.
   channel["axis"]["labelOverlap"] = false;
-  channel["axis"]["labelExpr"] =
-      "indexof([1, 2, 5], round(datum.value / pow(10, floor(log(datum.value) / LN10 + 1e-9)))) >= 0 ? datum.label : ''";
+  channel["axis"]["labelExpr"] = fmt::format(
+      "indexof([1, 2, 5], round(datum.value / pow(10, floor(log(datum.value) / LN10 + 1e-9)))) >= 0 ? "
+      "format(datum.value, '{}') : ''",
+      format);
   return channel;
 }
 
