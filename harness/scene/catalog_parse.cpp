@@ -107,6 +107,7 @@ CatalogFile parse_file(Parser& p, const YamlNode& node) {
 
 Camera parse_camera(Parser& p, const YamlNode& node) {
   Camera camera;
+  const std::size_t complaints = p.found.size();
   p.map(node, "a camera",
         {{"name", [&](const YamlNode& n) { p.text(n, "name", camera.name); }},
          {"eye", [&](const YamlNode& n) { p.vec3(n, "eye", camera.eye); }},
@@ -114,7 +115,7 @@ Camera parse_camera(Parser& p, const YamlNode& node) {
          {"up", [&](const YamlNode& n) { p.vec3(n, "up", camera.up); }},
          {"fov", [&](const YamlNode& n) { p.number(n, "fov", camera.vertical_fov, 1, 170, "degrees from 1 to 170"); }}},
         {"name", "eye", "target"});
-  if (node.is_map() && length(cross(camera.target - camera.eye, camera.up)) == 0) {
+  if (p.found.size() == complaints && length(cross(camera.target - camera.eye, camera.up)) == 0) {
     p.complain(node.where, "the camera's 'up' is along its view or its eye is its target");
   }
   return camera;

@@ -164,6 +164,7 @@ class BinaryCursor {
     return static_cast<std::size_t>(end_ - p_) / std::max<std::size_t>(bytes_each, 1);
   }
   static std::size_t least_size(Type type) { return size_of(type); }
+  void skip_to_end() { p_ = end_; }
 
   double real(Type type) {
     switch (type) {
@@ -226,6 +227,10 @@ class AsciiCursor {
     return (cursor_.bytes_left() + 1) / std::max<std::size_t>(bytes_each, 1);
   }
   static std::size_t least_size(Type /*type*/) { return 2; }  // a digit and white space
+  void skip_to_end() {
+    while (!cursor_.next_word().empty()) {
+    }
+  }
 
   double real(Type type) {
     const std::string_view word = next_word();
@@ -281,8 +286,10 @@ class BodyReader {
       // A damaged count must not make us reserve memory that the file cannot fill.
       std::size_t bytes_each = 0;
       for (const Property& p : element.properties) bytes_each += Cursor::least_size(p.is_list ? p.count_type : p.type);
-      if (element.count > cursor_.most_records(bytes_each))
-        cursor_.fail_short(element.name, cursor_.most_records(bytes_each), element.count);
+      if (const std::size_t most = cursor_.most_records(bytes_each); element.count > most) {
+        cursor_.skip_to_end();
+        cursor_.fail_short(element.name, most, element.count);
+      }
       if (element.properties.empty()) continue;
       if (element.name == "vertex")
         read_vertices(element);

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <unistd.h>
-
 #include <archive.h>
 #include <archive_entry.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <bit>
 #include <cstdlib>
@@ -71,8 +70,10 @@ class ScopedVariable {
 
  private:
   void set(const std::optional<std::string>& value) {
-    if (value) ::setenv(name_.c_str(), value->c_str(), 1);
-    else ::unsetenv(name_.c_str());
+    if (value)
+      ::setenv(name_.c_str(), value->c_str(), 1);
+    else
+      ::unsetenv(name_.c_str());
   }
   std::string name_;
   std::optional<std::string> old_;
@@ -112,7 +113,8 @@ std::string packed_big_endian(T... values) {
   return bytes;
 }
 
-inline std::string written(const std::function<void(archive*)>& set_up, const std::vector<std::pair<std::string, std::string>>& files) {
+inline std::string written(const std::function<void(archive*)>& set_up,
+                           const std::vector<std::pair<std::string, std::string>>& files) {
   archive* a = archive_write_new();
   set_up(a);
   std::size_t bytes = 1 << 20U;
