@@ -30,6 +30,7 @@ struct Options {
   int ambient_rays = 8;
   float exposure = 1;
   bool heat_map = false;
+  bool compare = false;
   std::string builder;
   std::vector<std::string> optimizers;
   std::string tracer;
@@ -56,6 +57,8 @@ void declare(CLI::App& app, Options& o) {
       ->check(CLI::Range(0, 4096));
   app.add_option("--exposure", o.exposure, "Of a shaded PNG")->capture_default_str()->check(CLI::PositiveNumber);
   app.add_flag("--heat-map", o.heat_map, "Traversal steps per ray of each pixel in place of the shaded picture");
+  app.add_flag("--compare", o.compare,
+               "In a row: the shaded picture, the steps of the builder's tree, and those after the optimizers");
   app.add_option("--builder", o.builder, "embree, or sweep-sah for a heat map, where none is named");
   app.add_option("--optimize", o.optimizers, "Optimizers in order");
   app.add_option("--tracer", o.tracer, "The first that can trace what the builder makes where none is named");
@@ -115,25 +118,114 @@ std::vector<MethodRef> choose_workloads(const Options& o) {
   return refs;
 }
 
-Image make_heat_map(const Scene& scene, const Options& o, const std::vector<MethodRef>& workloads, TraceSession& session,
-                    bool raw, Progress& progress) {
-  WorkloadContext context{.seed = o.seed, .closest_hits = [&session](std::span<const Ray> rays, std::span<Hit> hits) {
-                            session.trace(rays, hits, Query::closest_hit);
-                          }};
-  std::vector<RayBatch> batches;
-  for (const MethodRef& ref : workloads) {
-    progress.update(0, fmt::format("making the rays of {}", ref.name));
-    batches.push_back(Registry::instance().create<Workload>(ref)->generate(scene, context));
+/// What the pictures of one run share.
+class Studio {
+ public:
+  explicit Studio(const Options& o)
+      : o_(o),
+        tracer_(choose_tracer(o, Registry::instance().get(Role::builder, o.builder).info.accel)),
+        workloads_(o.heat_map ? choose_workloads(o) : std::vector<MethodRef>{}) {
+    spec_.label = o.builder;
+    spec_.builder = Registry::instance().ref(Role::builder, o.builder);
+    for (const std::string& name : o.optimizers) spec_.optimizers.push_back(Registry::instance().ref(Role::optimizer, name));
+    progress_.update(0, "opening the scene");
+    scene_ = open_scene(o.scene, o.triangles, o.seed);
+    (void)camera();
   }
-  progress.update(0.5, "counting steps");
-  const StepMap map = count_steps(session, batches);
+
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] const Camera& camera() const { return scene_.camera(o_.camera); }
+
+  /// The tree of the builder and, where `optimized`, of the optimizers, ready to be traced.
+  void build(bool optimized) {
+    PipelineSpec spec = spec_;
+    if (!optimized) spec.optimizers.clear();
+    BuildContext context;
+    context.threads = o_.threads;
+    context.seed = o_.seed;
+    StageTimes times;
+    session_.reset();
+    accel_ = Pipeline(spec).run(scene_, context, times, [this](std::string_view stage) { progress_.update(0, stage); });
+    session_ = tracer_->prepare(*accel_, scene_, o_.threads, false);
+    if (o_.heat_map && !session_->counts()) throw Error(cannot_count_text);
+  }
+
+  Image shaded() {
+    return render_shaded(scene_, camera(), *session_,
+                         {.width = o_.width,
+                          .height = o_.height,
+                          .samples = o_.samples,
+                          .ambient_rays = o_.ambient_rays,
+                          .seed = o_.seed,
+                          .progress = [this](double share) { progress_.update(share, "tracing"); }});
+  }
+
+  StepMap steps() {
+    const WorkloadContext context{.seed = o_.seed, .closest_hits = [this](std::span<const Ray> rays, std::span<Hit> hits) {
+                                    session_->trace(rays, hits, Query::closest_hit);
+                                  }};
+    std::vector<RayBatch> batches;
+    for (const MethodRef& ref : workloads_) {
+      progress_.update(0, fmt::format("making the rays of {}", ref.name));
+      batches.push_back(Registry::instance().create<Workload>(ref)->generate(scene_, context));
+    }
+    progress_.update(0.5, "counting steps");
+    return count_steps(*session_, batches);
+  }
+
+ private:
+  const Options& o_;
+  std::unique_ptr<Tracer> tracer_;
+  std::vector<MethodRef> workloads_;
+  PipelineSpec spec_;
+  Progress progress_{"render", 1};
+  Scene scene_;
+  std::unique_ptr<Accel> accel_;
+  std::unique_ptr<TraceSession> session_;
+};
+
+/// The shaded picture, and the heat maps before and after optimization, over one colour scale.
+Image comparison(Studio& studio, const Options& o) {
+  studio.build(false);
+  std::vector<Image> images{tone_mapped(studio.shaded(), o.exposure)};
+  std::vector<std::string> labels{fmt::format("{}, {} triangles", studio.scene().name, studio.scene().triangles.size())};
+  const HeatMapOptions scale{.max_steps = o.max_steps, .legend = false};
+  const StepMap before = studio.steps();
+  studio.build(true);
+  const StepMap after = studio.steps();
+  images.push_back(heat_map(before, scale));
+  labels.push_back(fmt::format("{}: {:.1f} steps", o.builder, before.mean));
+  images.push_back(heat_map(after, scale));
+  labels.push_back(fmt::format("{} + {}: {:.1f} steps", o.builder, fmt::join(o.optimizers, " + "), after.mean));
+  Image row = side_by_side(images, labels);
+  if (o.legend) {
+    const Image legend = heat_legend(row.width, scale);
+    row.pixels.insert(row.pixels.end(), legend.pixels.begin(), legend.pixels.end());
+    row.height += legend.height;
+  }
+  return row;
+}
+
+Image picture(Studio& studio, const Options& o) {
+  const bool raw = o.output.ends_with(".exr");
+  if (o.compare) return comparison(studio, o);
+  studio.build(true);
+  if (!o.heat_map) {
+    Image image = studio.shaded();
+    return raw ? image : tone_mapped(image, o.exposure);
+  }
+  const StepMap map = studio.steps();
   fmt::print("{:.2f} traversal steps per ray\n", map.mean);
   return raw ? step_image(map) : heat_map(map, {.max_steps = o.max_steps, .legend = o.legend});
 }
 
 int render(Options o) {
   require_writable_image(o.output);
-  if (o.samples == 0) o.samples = o.heat_map ? 1 : 4;
+  if (o.compare && o.optimizers.empty()) {
+    throw Error(Diagnostic{{}, "--compare has nothing to compare", "an optimizer, by --optimize", {}});
+  }
+  o.heat_map = o.heat_map || o.compare;
+  if (o.samples == 0) o.samples = o.heat_map && !o.compare ? 1 : 4;
   const auto side = static_cast<int>(std::lround(std::sqrt(o.samples)));
   if (side * side != o.samples) {
     throw Error(
@@ -141,43 +233,10 @@ int render(Options o) {
   }
   if (o.builder.empty()) o.builder = o.heat_map ? "sweep-sah" : "embree";
   if (o.workloads.empty()) o.workloads = {"primary", "ambient-occlusion"};
-  const Registry& registry = Registry::instance();
-  PipelineSpec spec;
-  spec.label = o.builder;
-  spec.builder = registry.ref(Role::builder, o.builder);
-  for (const std::string& name : o.optimizers) spec.optimizers.push_back(registry.ref(Role::optimizer, name));
-  const Pipeline pipeline(spec);
-  const std::unique_ptr<Tracer> tracer = choose_tracer(o, registry.get(Role::builder, o.builder).info.accel);
-  const std::vector<MethodRef> workloads = o.heat_map ? choose_workloads(o) : std::vector<MethodRef>{};
-
-  Progress progress("render", 1);
-  progress.update(0, "opening the scene");
-  const Scene scene = open_scene(o.scene, o.triangles, o.seed);
-  const Camera& camera = scene.camera(o.camera);
-  BuildContext context;
-  context.threads = o.threads;
-  context.seed = o.seed;
-  StageTimes times;
-  const std::unique_ptr<Accel> accel =
-      pipeline.run(scene, context, times, [&progress](std::string_view stage) { progress.update(0, stage); });
-  const std::unique_ptr<TraceSession> session = tracer->prepare(*accel, scene, o.threads, false);
-
-  const bool raw = o.output.ends_with(".exr");
-  Image image;
-  if (o.heat_map) {
-    image = make_heat_map(scene, o, workloads, *session, raw, progress);
-  } else {
-    image = render_shaded(scene, camera, *session,
-                          {.width = o.width,
-                           .height = o.height,
-                           .samples = o.samples,
-                           .ambient_rays = o.ambient_rays,
-                           .seed = o.seed,
-                           .progress = [&progress](double share) { progress.update(share, "tracing"); }});
-    if (!raw) image = tone_mapped(image, o.exposure);
-  }
-  write_image(o.output, image);
-  fmt::print("{}: {} of {} triangles, camera '{}'\n", o.output, scene.name, scene.triangles.size(), camera.name);
+  Studio studio(o);
+  write_image(o.output, picture(studio, o));
+  fmt::print("{}: {} of {} triangles, camera '{}'\n", o.output, studio.scene().name, studio.scene().triangles.size(),
+             studio.camera().name);
   return exit_ok;
 }
 

@@ -12,7 +12,7 @@ namespace raystudy {
 
 StepMap count_steps(TraceSession& session, std::span<const RayBatch> batches) {
   if (batches.empty() || batches.front().width == 0) throw std::logic_error("count_steps: rays that belong to pixels are needed");
-  if (!session.counts()) throw Error("this tracer cannot count traversal steps; expected a tracer that counts, such as 'scalar'");
+  if (!session.counts()) throw Error(cannot_count_text);
   StepMap map{.width = static_cast<int>(batches.front().width), .height = static_cast<int>(batches.front().height)};
   const std::size_t pixels = std::size_t{batches.front().width} * batches.front().height;
   std::vector<double> sums(pixels);

@@ -41,7 +41,8 @@ std::string encoded(const Image& image, const std::string& extension) {
                        png ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT);
   spec.channelnames = image.channels;
   spec.attribute("oiio:ColorSpace", png ? "sRGB" : "Linear");
-  spec.attribute("compression", "zip");
+  spec.attribute("compression", "zip");  // of EXR
+  spec.attribute("png:compressionLevel", 9);
   std::vector<unsigned char> bytes;
   OIIO::Filesystem::IOVecOutput memory(bytes);
   const std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create("memory" + extension, &memory);

@@ -34,6 +34,8 @@ struct StepMap {
   std::vector<float> steps{};  ///< rows from the top
   double mean = 0;             ///< over all rays
 };
+inline constexpr const char* cannot_count_text =
+    "this tracer cannot count traversal steps; expected a tracer that counts, such as 'scalar'";
 /// Counts through `session` (a separate, instrumented pass). Throws Error where the tracer cannot count, std::logic_error where a
 /// batch's rays do not belong to pixels or the batches' images differ in size.
 [[nodiscard]] StepMap count_steps(TraceSession& session, std::span<const RayBatch> batches);

@@ -62,6 +62,16 @@ TEST_F(Render, MapsTraversalSteps) {
   EXPECT_EQ(raystudy(map + file("h.exr")).code, 0);
 }
 
+TEST_F(Render, ComparesBeforeAndAfterOptimization) {
+  const Outcome outcome = raystudy(fmt::format("render {} --compare --optimize insertion -o {}", small, file("c.png")));
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_TRUE(std::filesystem::exists(file("c.png")));
+}
+
+TEST_F(Render, ComparingNeedsAnOptimizer) {
+  expect_error("atrium --compare -o " + file("a.png"), "--compare has nothing to compare; expected an optimizer, by --optimize");
+}
+
 TEST_F(Render, UnknownSceneGivesTheNearest) {
   expect_error("atrim -o " + file("a.png"),
                "there is no scene 'atrim'; expected a name that 'raystudy scene list' shows; did you mean 'atrium'?");
