@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/mman.h>
+
 #include <cstddef>
 #include <memory>
 #include <new>
@@ -7,7 +9,8 @@
 
 namespace raystudy {
 
-/// Allocates on cache-line boundaries, so that pairs of BVH nodes never straddle two lines.
+/// Allocates on cache-line boundaries, so that pairs of BVH nodes never straddle two lines. Large blocks are in huge pages where
+/// the system grants them: fewer page faults while building, fewer misses of the address translation while tracing.
 template <class T>
 class AlignedAllocator {
  public:
@@ -18,9 +21,20 @@ class AlignedAllocator {
   template <class U>
   AlignedAllocator(const AlignedAllocator<U>&) noexcept {}  // NOLINT(google-explicit-constructor): allocators must convert
 
-  T* allocate(std::size_t n) { return static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{alignment})); }
-  void deallocate(T* p, std::size_t) noexcept { ::operator delete(p, std::align_val_t{alignment}); }
+  T* allocate(std::size_t n) {
+    void* p = ::operator new(n * sizeof(T), alignment_of(n));
+    if (alignment_of(n) == std::align_val_t{huge_page})
+      ::madvise(p, n * sizeof(T), MADV_HUGEPAGE);  // a wish; refusal does no harm
+    return static_cast<T*>(p);
+  }
+  void deallocate(T* p, std::size_t n) noexcept { ::operator delete(p, n * sizeof(T), alignment_of(n)); }
   friend bool operator==(const AlignedAllocator&, const AlignedAllocator&) { return true; }
+
+ private:
+  static constexpr std::size_t huge_page = std::size_t{1} << 21U;
+  static std::align_val_t alignment_of(std::size_t n) {
+    return std::align_val_t{n * sizeof(T) >= 2 * huge_page ? huge_page : alignment};
+  }
 };
 
 template <class T>

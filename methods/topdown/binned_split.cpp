@@ -13,6 +13,7 @@ BinnedSplitter::BinnedSplitter(const Measure& measure, std::uint32_t bins, int t
       most_(bins),
       threads_(threads),
       bins_((bins + 3) / 4 * 4),
+      odd_((bins + 3) / 4 * 4),
       left_(bins_.boxes.size()),
       right_(bins_.boxes.size()) {}
 
@@ -27,8 +28,8 @@ void BinnedSplitter::Bins::clear(std::uint32_t row) {
   std::fill_n(counts.begin(), std::size_t{3} * row, 0);
 }
 
-void BinnedSplitter::Bins::merge(const Bins& other) {
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
+void BinnedSplitter::Bins::merge(const Bins& other, std::uint32_t row) {
+  for (std::size_t i = 0; i < std::size_t{3} * row; ++i) {
     const WideBox box = united(WideBox::of(boxes[i]), WideBox::of(other.boxes[i]));
     auto* p = reinterpret_cast<float*>(&boxes[i]);
     hn::Store(box.lower, Float4(), p);
@@ -46,20 +47,52 @@ BinnedSplitter::Binning::Binning(const NodeBounds& bounds, std::uint32_t bins, s
   row_ = hn::Mul(hn::Iota(Int4(), 0), hn::Set(Int4(), static_cast<std::int32_t>(row)));
 }
 
-void BinnedSplitter::fill(Bins& bins, std::span<const BoxRecord> records, const Binning& binning) {
-  const Float4 d;
-  alignas(16) std::int32_t at[4];
-  for (const BoxRecord& record : records) {
-    const WideBox box = WideBox::of(record);
-    hn::Store(binning(box), Int4(), at);
+namespace {
+
+/// Pointers of their own: of vectors behind a reference the compiler would have to fear that a store changes them.
+struct BinPointers {
+  BoxRecord* boxes;
+  std::uint32_t* counts;
+
+  void add(const WideBox& box, hn::Vec<Int4> bins) const {
+    const Float4 d;
+    alignas(16) std::int32_t at[4];
+    hn::Store(bins, Int4(), at);
     for (int axis = 0; axis < 3; ++axis) {
-      const auto i = static_cast<std::size_t>(at[axis]);
-      auto* p = reinterpret_cast<float*>(&bins.boxes[i]);
+      auto* p = reinterpret_cast<float*>(boxes + at[axis]);
       hn::Store(hn::Min(hn::Load(d, p), box.lower), d, p);
       hn::Store(hn::Max(hn::Load(d, p + 4), box.upper), d, p + 4);
-      ++bins.counts[i];
+      ++counts[at[axis]];
     }
   }
+};
+
+}  // namespace
+
+void BinnedSplitter::fill(Bins& bins, std::span<const BoxRecord> records, const Binning& by_value) {
+  const BinPointers to{bins.boxes.data(), bins.counts.data()};
+  const Binning binning = by_value;
+  for (const BoxRecord& record : records) {
+    const WideBox box = WideBox::of(record);
+    to.add(box, binning(box));
+  }
+}
+
+void BinnedSplitter::fill_alternating(std::span<const BoxRecord> records, const Binning& by_value) {
+  // Neighbours often share a bin, and the second then waits for the first's stores; with two sets of bins it does not.
+  const BinPointers even{bins_.boxes.data(), bins_.counts.data()};
+  const BinPointers odd{odd_.boxes.data(), odd_.counts.data()};
+  const Binning binning = by_value;
+  odd_.clear(row_);
+  std::size_t i = 0;
+  for (; i + 1 < records.size(); i += 2) {
+    const WideBox a = WideBox::of(records[i]);
+    const WideBox b = WideBox::of(records[i + 1]);
+    even.add(a, binning(a));
+    odd.add(b, binning(b));
+  }
+  fill(bins_, records.subspan(i), binning);
+  bins_.merge(odd_, row_);
 }
 
 void BinnedSplitter::fill_shared(std::span<const BoxRecord> records, const Binning& binning) {
@@ -71,8 +104,8 @@ void BinnedSplitter::fill_shared(std::span<const BoxRecord> records, const Binni
         fill(bins, records.subspan(range.begin(), range.size()), binning);
         return bins;
       },
-      [](Bins a, const Bins& b) {
-        a.merge(b);
+      [&](Bins a, const Bins& b) {
+        a.merge(b, row_);
         return a;
       });
 }
@@ -133,14 +166,18 @@ BinnedSplitter::Choice BinnedSplitter::best_choice(std::int32_t n) const {
 
 std::uint32_t BinnedSplitter::split(std::span<BoxRecord> records, const NodeBounds& bounds) {
   const auto n = static_cast<std::uint32_t>(records.size());
-  count_ = std::min(most_, std::max(n, 8U));
+  count_ = std::min(most_, std::max(n, 4U));
   row_ = (count_ + 3) / 4 * 4;
   const Binning binning(bounds, count_, row_);
   if (threads_ > 1 && records.size() >= shared_pass) {
     fill_shared(records, binning);
   } else {
     bins_.clear(row_);
-    fill(bins_, records, binning);
+    if (n >= 128) {
+      fill_alternating(records, binning);
+    } else {
+      fill(bins_, records, binning);
+    }
   }
   measure_sides();
   const Choice choice = best_choice(static_cast<std::int32_t>(n));

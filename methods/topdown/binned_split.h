@@ -25,7 +25,7 @@ class BinnedSplitter {
   struct Bins {
     explicit Bins(std::uint32_t row) : boxes(std::size_t{3} * row), counts(std::size_t{3} * row) {}
     void clear(std::uint32_t row);
-    void merge(const Bins& other);
+    void merge(const Bins& other, std::uint32_t row);
     std::vector<BoxRecord> boxes;
     std::vector<std::uint32_t> counts;
   };
@@ -54,6 +54,7 @@ class BinnedSplitter {
   };
 
   static void fill(Bins& bins, std::span<const BoxRecord> records, const Binning& binning);
+  void fill_alternating(std::span<const BoxRecord> records, const Binning& binning);
   void fill_shared(std::span<const BoxRecord> records, const Binning& binning);
   void measure_sides();
   [[nodiscard]] Choice best_choice(std::int32_t n) const;
@@ -65,6 +66,7 @@ class BinnedSplitter {
   std::uint32_t row_ = 0;    ///< slots of a row
   int threads_;
   Bins bins_;
+  Bins odd_;                  ///< of every other triangle of a node of many
   std::vector<float> left_;   ///< measure of a bin united with those before it in its row
   std::vector<float> right_;  ///< and with those after it
 };

@@ -2,9 +2,11 @@
 
 #include <hwy/highway.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
+#include "harness/base/aligned.h"
 #include "harness/geometry/box.h"
 
 namespace raystudy::topdown {
@@ -16,12 +18,30 @@ using Int4 = hn::FixedTag<std::int32_t, 4>;
 /// A triangle's box in two 16-byte halves, so that a vector register takes each with one load. The fourth lane of a half holds no
 /// coordinate; nothing is ever computed from it.
 struct alignas(32) BoxRecord {
-  float lower[3] = {};
-  std::uint32_t triangle = 0;  ///< index into Scene::triangles
-  float upper[3] = {};
-  std::uint32_t rank = 0;  ///< scratch of the builder
+  float lower[3];
+  std::uint32_t triangle;  ///< index into Scene::triangles
+  float upper[3];
+  std::uint32_t rank;  ///< scratch of the builder
 };
 static_assert(sizeof(BoxRecord) == 32);
+
+/// Room for records, not written to before they are.
+class BoxRecords {
+ public:
+  explicit BoxRecords(std::size_t n) : size_(n), data_(AlignedAllocator<BoxRecord>().allocate(n)) {}
+  BoxRecords(const BoxRecords&) = delete;
+  BoxRecords& operator=(const BoxRecords&) = delete;
+  ~BoxRecords() { AlignedAllocator<BoxRecord>().deallocate(data_, size_); }
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] BoxRecord* data() { return data_; }
+  [[nodiscard]] BoxRecord& operator[](std::size_t i) { return data_[i]; }
+  [[nodiscard]] const BoxRecord& operator[](std::size_t i) const { return data_[i]; }
+
+ private:
+  std::size_t size_;
+  BoxRecord* data_;
+};
 
 /// A box in two vector registers; the fourth lanes are meaningless.
 struct WideBox {

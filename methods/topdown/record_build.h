@@ -96,8 +96,8 @@ inline std::uint32_t split_at_median(std::span<BoxRecord> records, int axis) {
 template <class Splitter>
 class RecordBuild {
  public:
-  RecordBuild(const Splitter& splitter, const LeafPolicy& leaves, const Measure& measure, std::vector<BoxRecord>& records,
-              Bvh2& bvh, int threads)
+  RecordBuild(const Splitter& splitter, const LeafPolicy& leaves, const Measure& measure, std::span<BoxRecord> records, Bvh2& bvh,
+              int threads)
       : splitter_(splitter), leaves_(leaves), measure_(measure), records_(records), bvh_(bvh), threads_(threads) {}
 
   /// Fills a tree over one triangle at least.
@@ -150,7 +150,7 @@ class RecordBuild {
   /// Makes the part's node and returns its children, or two parts of no triangles where it is a leaf.
   std::array<Part, 2> make_node(const Part& part, Splitter& splitter, int threads) {
     const Subtree& s = part.subtree;
-    const auto records = std::span(records_).subspan(s.begin, s.count);
+    const auto records = records_.subspan(s.begin, s.count);
     const std::uint32_t left = splitter.split(records, part.bounds);
     const std::array<Part, 2> children{Part{s.left(left), bounds_of(records.first(left), threads)},
                                        Part{s.right(left), bounds_of(records.subspan(left), threads)}};
@@ -178,7 +178,8 @@ class RecordBuild {
     const std::array<Box, 3> boxes{box, left_box, right_box};
     std::array<float, 3> m{};
     measure_.evaluate(boxes, m);
-    if (!leaves_.is_leaf(s.count, m[0], m[1] * static_cast<float>(left) + m[2] * static_cast<float>(s.count - left))) return false;
+    if (!leaves_.is_leaf(s.count, m[0], m[1] * static_cast<float>(left) + m[2] * static_cast<float>(s.count - left)))
+      return false;
     make_leaf(s, box);
     return true;
   }
@@ -191,7 +192,7 @@ class RecordBuild {
   const Splitter& splitter_;
   const LeafPolicy& leaves_;
   const Measure& measure_;
-  std::vector<BoxRecord>& records_;
+  std::span<BoxRecord> records_;
   Bvh2& bvh_;
   int threads_;
 };
@@ -204,8 +205,9 @@ std::unique_ptr<Accel> build_from_records(const Scene& scene, const BuildContext
   if (scene.triangles.empty()) return bvh;
   tbb::task_arena arena(context.threads);
   arena.execute([&] {
-    std::vector<BoxRecord> records = box_records(scene, context.threads);
-    RecordBuild<Splitter>(splitter, leaves, measure, records, *bvh, context.threads).run();
+    BoxRecords records(scene.triangles.size());
+    fill_records(scene, context.threads, records);
+    RecordBuild<Splitter>(splitter, leaves, measure, {records.data(), records.size()}, *bvh, context.threads).run();
   });
   return bvh;
 }

@@ -28,11 +28,10 @@ class SweepBuild {
   SweepBuild(const M& measure, const LeafPolicy& leaves, SweepOrders& orders, Bvh2& bvh, int threads)
       : measure_(measure), leaves_(leaves), orders_(orders), bvh_(bvh), threads_(threads) {}
 
-  /// Fills nodes (to be compacted where leaves hold more than one) and triangles of a tree over one triangle at least.
+  /// Fills a tree over one triangle at least, whose arrays are allocated: 2 n nodes, to be compacted where leaves hold more than
+  /// one, and n triangles.
   void run() {
     const auto n = static_cast<std::uint32_t>(orders_.records.size());
-    bvh_.nodes.resize(std::size_t{2} * n);
-    bvh_.triangles.resize(n);
     View view{orders_.records.data(), {}, nullptr, 0};
     for (const auto& list : orders_.lists) view.lists.push_back(list.get());
     const auto sides = std::make_unique_for_overwrite<std::uint8_t[]>(n);

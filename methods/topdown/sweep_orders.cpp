@@ -72,8 +72,7 @@ void for_each_range(std::size_t n, int threads, F&& f) {
 
 }  // namespace
 
-std::vector<BoxRecord> box_records(const Scene& scene, int threads) {
-  std::vector<BoxRecord> records(scene.triangles.size());
+void fill_records(const Scene& scene, int threads, BoxRecords& records) {
   for_each_range(records.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto t = static_cast<std::uint32_t>(i);
@@ -81,10 +80,11 @@ std::vector<BoxRecord> box_records(const Scene& scene, int threads) {
       records[i] = {{box.lower.x, box.lower.y, box.lower.z}, t, {box.upper.x, box.upper.y, box.upper.z}, 0};
     }
   });
-  return records;
 }
 
-SweepOrders::SweepOrders(const Scene& scene, Positions positions, int threads) : records(box_records(scene, threads)) {
+SweepOrders::SweepOrders(const Scene& scene, Positions positions, int threads, const std::function<void()>& meanwhile)
+    : records(scene.triangles.size()) {
+  fill_records(scene, threads, records);
   const int per_axis = positions == Positions::box_bounds ? 2 : 1;
   lists.resize(static_cast<std::size_t>(3 * per_axis));
   const auto sort = [&](int order) {
@@ -97,8 +97,10 @@ SweepOrders::SweepOrders(const Scene& scene, Positions positions, int threads) :
   };
   if (threads == 1) {
     for (int order = 0; order < count(); ++order) sort(order);
+    meanwhile();
   } else {
-    tbb::parallel_for(0, count(), sort);
+    tbb::parallel_for(
+        0, count() + 1, [&](int i) { i < count() ? sort(i) : meanwhile(); }, tbb::simple_partitioner());
   }
 }
 

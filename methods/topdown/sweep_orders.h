@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -19,17 +20,18 @@ enum class Positions : std::uint8_t {
 
 /// The boxes of a scene's triangles, and their indices sorted by every position of every axis, equal ones by index.
 struct SweepOrders {
-  /// Works in the calling thread's arena; `threads` 1 keeps to the calling thread.
-  SweepOrders(const Scene& scene, Positions positions, int threads);
+  /// Works in the calling thread's arena; `threads` 1 keeps to the calling thread. `meanwhile` is called once, beside the
+  /// sorting.
+  SweepOrders(const Scene& scene, Positions positions, int threads, const std::function<void()>& meanwhile);
 
   [[nodiscard]] int count() const { return static_cast<int>(lists.size()); }
   [[nodiscard]] int first_of_axis(int axis) const { return axis * count() / 3; }
 
-  std::vector<BoxRecord> records;                       ///< by triangle
+  BoxRecords records;                                   ///< by triangle
   std::vector<std::unique_ptr<std::uint32_t[]>> lists;  ///< axis by axis; with box_bounds, lower before upper
 };
 
-/// The boxes of a scene's triangles, in the scene's order.
-[[nodiscard]] std::vector<BoxRecord> box_records(const Scene& scene, int threads);
+/// Fills `records`, one a triangle, in the scene's order.
+void fill_records(const Scene& scene, int threads, BoxRecords& records);
 
 }  // namespace raystudy::topdown

@@ -40,7 +40,10 @@ class SweepSah final : public Builder {
     const LeafPolicy leaves(params_, context.cost);
     tbb::task_arena arena(context.threads);
     arena.execute([&] {
-      topdown::SweepOrders orders(scene, positions(), context.threads);
+      topdown::SweepOrders orders(scene, positions(), context.threads, [&] {
+        bvh->nodes.resize(2 * scene.triangles.size());
+        bvh->triangles.resize(scene.triangles.size());
+      });
       visit_measure(*measure, [&](const auto& m) {
         topdown::SweepBuild<std::decay_t<decltype(m)>>(m, leaves, orders, *bvh, context.threads).run();
       });
