@@ -97,8 +97,17 @@ TEST_F(TableTest, AMissingSceneIsAVisibleRow) {
   EXPECT_EQ(cell(table, 0, 1).absence, "not installed");
   EXPECT_EQ(table.rows.at(4).label, "Fairy Forest");
   EXPECT_EQ(cell(table, 4, 0).published->text, "95.10");
-  EXPECT_EQ(cell(table, 4, 0).reason, "scene not installed: no file of this scene is known to the catalog");
+  EXPECT_EQ(cell(table, 4, 0).reason, "scene not in this experiment: Fairy Forest is our 'fairy-forest'");
   EXPECT_EQ(table.rows.size(), 4U + 6U);
+}
+
+TEST_F(TableTest, APaperSceneThatNobodyKnowsIsARowToo) {
+  published->scenes.at(1).ours.clear();
+  published->scenes.at(1).comparability = Comparability::absent;
+  published->scenes.at(1).reason = "no file of this scene is known to the catalog";
+  const ReportTable table = build();
+  EXPECT_EQ(table.rows.at(4).label, "Fairy Forest");
+  EXPECT_EQ(cell(table, 4, 0).reason, "scene not installed: no file of this scene is known to the catalog");
 }
 
 TEST_F(TableTest, APaperSceneOutsideTheExperimentSaysSo) {
