@@ -109,7 +109,7 @@ class TraceSession {
 
   /// hits.size() == rays.size(); hits come back in the order of the rays. Timed: nothing is counted here.
   virtual void trace(std::span<const Ray> rays, std::span<Hit> hits, Query query) = 0;
-  /// False where rays may slip between two triangles that share an edge (Embree without its robust flag).
+  /// False where rays may slip between triangles that share an edge or a corner (Embree: with its robust flag very rarely).
   [[nodiscard]] virtual bool watertight() const { return true; }
   /// True where `count` is implemented (Embree cannot count).
   [[nodiscard]] virtual bool counts() const { return false; }

@@ -105,6 +105,27 @@ Outcome outcome(const ExactRay& exact, const Ray& ray, const Scene& scene, const
   return result;
 }
 
+/// True where the ray passes within `distance` of one of a triangle's edges, at a t within its range or `slack` of it.
+bool passes_edge(const Ray& ray, const Corners& triangle, double distance, double slack) {
+  const Vec3d d(ray.direction);
+  const double square = dot(d, d);
+  // Across the ray, its origin at zero.
+  const auto across = [&](Vec3d p) { return p - (dot(p, d) / square) * d; };
+  const std::array<Vec3d, 3> corners{triangle.a - Vec3d(ray.origin), triangle.b - Vec3d(ray.origin),
+                                     triangle.c - Vec3d(ray.origin)};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3d p = corners[i];
+    const Vec3d edge = corners[(i + 1) % 3] - p;
+    const Vec3d flat = across(edge);
+    const double size = dot(flat, flat);
+    const double s = size > 0 ? std::clamp(-dot(across(p), flat) / size, 0.0, 1.0) : 0.0;
+    const Vec3d nearest = p + s * edge;
+    const double t = dot(nearest, d) / square;
+    if (length(across(nearest)) <= distance && t >= ray.tmin - slack && t <= ray.tmax + slack) return true;
+  }
+  return false;
+}
+
 /// Offsets across a direction: none, then 16 on the circle of radius δ and 8 on that of δ / 3.
 std::vector<Vec3d> offsets_across(Vec3 direction, double delta) {
   const Vec3d d = (1 / length(Vec3d(direction))) * Vec3d(direction);
@@ -196,7 +217,7 @@ double ExactOracle::tolerance(const Ray& ray, std::uint32_t a, std::uint32_t b) 
   }
   if (a == no_hit && b == no_hit) farthest = reach(scene_.bounds, ray.origin);
   // Below 2⁻¹²⁶ floats round by a fixed step.
-  return 16 * 0x1p-24 * farthest + 16 * 0x1p-149;
+  return 32 * 0x1p-24 * farthest + 32 * 0x1p-149;
 }
 
 bool ExactOracle::is_on_triangle(const Ray& ray, const Hit& hit, double distance) const {
@@ -235,6 +256,13 @@ ExactOracle::Verdict ExactOracle::judge(const Ray& ray, const Hit& found, Query 
   }
   const std::vector<std::uint32_t> triangles = candidates(ray, 2 * delta);
   const std::vector<Vec3d> offsets = offsets_across(ray.direction, delta);
+  // Thinner triangles than the displaced rays are apart.
+  if (found.is_hit() && !names_triangle && std::any_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
+        return passes_edge(ray, Corners(scene_, t), delta, slack);
+      })) {
+    verdict.judgement = Judgement::right;
+    return verdict;
+  }
   // Whether `found` can stand beside what a displaced ray, or a scene with gaps, meets.
   const auto fits = [&](const Outcome& o) {
     if (!found.is_hit()) return std::isinf(o.certain);

@@ -20,13 +20,14 @@ struct ExactHit {
 /// box filter in double precision and nothing that a tracer uses.
 ///
 /// What right means. A tracer computes in floats, so its best answer is the exact one for a ray and triangles displaced by their
-/// rounding: by δ = 16 · 2⁻²⁴ · R, where R is the distance (largest coordinate difference) from the ray's origin to the farthest
-/// corner of the triangles in question (a sheared corner is off by at most 5 · 2⁻²⁴ R: Woop, Benthin, Wald 2013, section 4; the
-/// rest is room for the edge functions of other tests). The ray itself and 24 parallel rays within δ of it are intersected
-/// exactly:
+/// rounding: by δ = 32 · 2⁻²⁴ · R, where R is the distance (largest coordinate difference) from the ray's origin to the farthest
+/// corner of the triangles in question. A sheared corner is off by at most 5 · 2⁻²⁴ R (Woop, Benthin, Wald 2013, section 4); edge
+/// functions by Plücker coordinates, as in Embree, multiply an edge with the sum of its corners, up to 2 R long, in some seven
+/// roundings over three coordinates, which displaces the ray by up to 24 · 2⁻²⁴ R. The ray itself and 24 parallel rays within δ
+/// of it are intersected exactly:
 /// - a miss is right where one of them misses: at an open edge or a silhouette, but never at an edge shared by two triangles that
 ///   cover both its sides, where all of them hit;
-/// - a hit of an any-hit query is right where one of them hits;
+/// - a hit of an any-hit query is right where one of them hits, or the ray passes an edge within δ;
 /// - a closest hit is right where the point at t lies within 2 δ of the triangle it names, u and v name a point within the
 /// rounding
 ///   of a triangle's shape of the ray, and one of the rays meets nothing nearer.

@@ -81,7 +81,7 @@ TEST(ExactOracle, ToleranceByHand) {
   const Scene scene = make({{0, 0, 0}, {1, 0, 0}, {0, 4, 0}}, {{{0, 1, 2}}});
   const ExactOracle oracle(scene);
   // The farthest coordinate from (1, 1, -8) is z: 8.
-  EXPECT_DOUBLE_EQ(oracle.tolerance({{1, 1, -8}, 0, {0, 0, 1}, 1}, 0), 16.0 / (1 << 24) * 8);
+  EXPECT_DOUBLE_EQ(oracle.tolerance({{1, 1, -8}, 0, {0, 0, 1}, 1}, 0), 32.0 / (1 << 24) * 8);
 }
 
 class PlantedHits : public testing::Test {

@@ -81,10 +81,7 @@ void Device::check(const char* doing) {
 }
 
 EmbreeAccel::EmbreeAccel(const Scene& scene, const BuildOptions& options, int threads)
-    : vertices_(scene.vertices),
-      triangles_(scene.triangles),
-      device_(std::make_unique<Device>(threads)),
-      robust_(options.robust) {
+    : vertices_(scene.vertices), triangles_(scene.triangles), device_(std::make_unique<Device>(threads)) {
   scene_.reset(rtcNewScene(device_->handle()));
   device_->check("making a scene");
   rtcSetSceneBuildQuality(handle(), options.quality);

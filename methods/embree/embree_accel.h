@@ -62,7 +62,6 @@ class EmbreeAccel final : public Accel {
   [[nodiscard]] std::string_view kind() const override { return kind_name; }
   /// What Embree allocated on the device (by its memory monitor), without a copy of the vertices where one was needed.
   [[nodiscard]] std::size_t bytes() const override { return bytes_; }
-  [[nodiscard]] bool robust() const { return robust_; }
   [[nodiscard]] RTCScene handle() const { return scene_.get(); }
   [[nodiscard]] Device& device() const { return *device_; }
 
@@ -76,7 +75,6 @@ class EmbreeAccel final : public Accel {
   SharedArray<Triangle> triangles_;
   std::unique_ptr<Device> device_;
   std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene> scene_;
-  bool robust_;
   std::size_t copied_ = 0;
   std::size_t bytes_ = 0;
 };

@@ -33,6 +33,9 @@ TEST(Metrics, ByHand) {
   // Half areas: root 20, leaf of two 12, inner 12, leaves 8 and 8. Eq. 1 with c_T = 3, c_I = 2:
   // (3 · (20 + 12) + 2 · (12 · 2 + 8 + 8)) / 20 = (96 + 80) / 20.
   EXPECT_DOUBLE_EQ(measure("cost", bvh)["cost"][0], 8.8);
+  // The inner node's subtree costs 3 · 12 + 2 · (8 + 8) = 68, more than the 2 · 12 · 2 = 48 of a leaf in its place; the root's
+  // 3 · 20 + 48 + 48 = 156 is less than the 2 · 20 · 4 = 160 of a single leaf.
+  EXPECT_DOUBLE_EQ(measure("ocost", bvh)["ocost"][0], 7.8);
   EXPECT_EQ(measure("nodes", bvh)["nodes"], std::vector{5.0});
   EXPECT_EQ(measure("leaves", bvh)["leaves"], std::vector{3.0});
   EXPECT_EQ(measure("depth", bvh)["depth"], std::vector{2.0});
@@ -48,6 +51,7 @@ TEST(Metrics, ByHand) {
 TEST(Metrics, OfAnEmptyTree) {
   const Bvh2 bvh;
   EXPECT_EQ(measure("cost", bvh)["cost"], std::vector{0.0});
+  EXPECT_EQ(measure("ocost", bvh)["ocost"], std::vector{0.0});
   EXPECT_EQ(measure("nodes", bvh)["nodes"], std::vector{0.0});
   EXPECT_EQ(measure("depth", bvh)["mean_leaf_depth"], std::vector{0.0});
   EXPECT_TRUE(measure("area-by-depth", bvh)["inner_area_by_depth"].empty());
