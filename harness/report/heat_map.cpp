@@ -56,7 +56,7 @@ Vec3 heat_color(float t) {
 }
 
 Image heat_legend(int width, const HeatMapOptions& options) {
-  const int text = std::clamp(width / 40, 11, 22);
+  const int text = std::clamp(width / 60, 11, 20);
   Image legend = filled_image(width, 4 * text + text / 2, Vec3{1});
   const int left = 2 * text;
   const int right = width - 3 * text;
