@@ -56,6 +56,8 @@ class Optimization {
     constexpr std::size_t between_looks_at_the_clock = 256;
     for (std::size_t i = 0; i < selected.size(); ++i) {
       if (i % between_looks_at_the_clock == 0 && running_.out_of_time(options_.max_seconds)) return;
+      if (i + 8 < selected.size()) reinsertion_.prefetch_soon(selected[i + 8]);
+      if (i + 4 < selected.size()) reinsertion_.prefetch_next(selected[i + 4]);
       if (selected[i] == tree_.root()) continue;
       if (options_.both_children) {
         reinsertion_.update_both(selected[i]);

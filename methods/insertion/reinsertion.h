@@ -5,13 +5,12 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <utility>
-#include <vector>
 
 #include "harness/accel/pair_tree.h"
 #include "harness/method/pair_measure.h"
+#include "methods/insertion/min_heap.h"
 
 namespace raystudy::insertion {
 
@@ -88,27 +87,25 @@ class Reinsertion {
     Place best{hint, merge_cost(l, hint) * 1.0001F + std::numeric_limits<float>::min()};
     const float own = l.measure;
     heap_.clear();
-    Entry next = visit_root(l, best);
-    for (;;) {
-      if (next == none) {
-        if (heap_.empty()) break;
-        next = pop();
-      }
+    // `next` is the least entry of all that is left; it goes through the heap only where another comes before it.
+    for (Entry next = visit_root(l, best); next != none;) {
       const float induced = key(next);
       if (!(induced + own < best.cost)) break;  // the least lower bound of all that is left
       const std::uint32_t p = record(next);
       const Pair& pair = tree_.pairs[p];
       const Float4 merged = measure_both(measure_, united(pair.boxes, l.box));
-      next = none;
+      std::array<Entry, 2> below{none, none};
       for (std::uint32_t side = 0; side < 2; ++side) {
         const float total = induced + merged[side];
         if (total < best.cost) best = {2 * p + side, total};
       }
       for (std::uint32_t side = 0; side < 2; ++side) {
-        if (PairTree::is_leaf(pair.link[side])) continue;
-        const float below = induced + (merged[side] - pair.measure[side]);
-        if (below + own < best.cost) push(entry(below, pair.link[side]));
+        const float induced_below = induced + (merged[side] - pair.measure[side]);
+        if (PairTree::is_leaf(pair.link[side]) || !(induced_below + own < best.cost)) continue;
+        below[side] = entry(induced_below, pair.link[side]);
+        __builtin_prefetch(&tree_.pairs[pair.link[side]]);
       }
+      next = least_of(below);
     }
     return best;
   }
@@ -123,6 +120,17 @@ class Reinsertion {
     inner_sum_ += static_cast<double>(parent.measure);
     tree_.put(slot, parent);
     grow_up(slot / 2, l.box);
+  }
+
+  /// Fetches what an update of `n` touches first: in two steps, for the second needs what the first fetched.
+  void prefetch_soon(std::uint32_t n) const {
+    __builtin_prefetch(&tree_.up[n]);
+    __builtin_prefetch(&tree_.pairs[n]);
+  }
+  void prefetch_next(std::uint32_t n) const {
+    const std::uint32_t parent = tree_.up[n] / 2;
+    __builtin_prefetch(&tree_.pairs[parent]);
+    __builtin_prefetch(&tree_.up[parent]);
   }
 
   /// Updates inner node `n`, not the root, as the paper does: both children are taken out and inserted again, the larger first.
@@ -160,15 +168,13 @@ class Reinsertion {
   static float key(Entry e) { return std::bit_cast<float>(static_cast<std::uint32_t>(e >> 32U)); }
   static std::uint32_t record(Entry e) { return static_cast<std::uint32_t>(e); }
 
-  void push(Entry e) {
-    heap_.push_back(e);
-    std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
-  }
-  Entry pop() {
-    std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
-    const Entry e = heap_.back();
-    heap_.pop_back();
-    return e;
+  /// The least of the heap and two more entries; the others stay in the heap.
+  Entry least_of(const std::array<Entry, 2>& more) {
+    const Entry first = std::min(more[0], more[1]);
+    const Entry second = std::max(more[0], more[1]);
+    if (second != none) heap_.push(second);
+    if (heap_.empty() || first <= heap_.top()) return first;
+    return first == none ? heap_.pop() : heap_.replace_top(first);
   }
 
   Entry visit_root(const Node& l, Place& best) {
@@ -219,7 +225,7 @@ class Reinsertion {
   PairTree& tree_;
   const M& measure_;
   double inner_sum_ = 0;
-  std::vector<Entry> heap_;
+  MinHeap heap_;
 };
 
 }  // namespace raystudy::insertion
