@@ -28,17 +28,13 @@ class Selector {
   /// The k inner nodes of largest M_AREA(N) = m(N), in descending order: a partial sort. Measures are not negative, and such
   /// floats order as their bits do; equal ones go by record, so that the order is total.
   const std::vector<std::uint32_t>& by_area(const PairTree& tree, std::size_t k) {
-    keys_.clear();
-    for (std::uint32_t p = 0; p < tree.pairs.size(); ++p) {
-      const PairTree::Pair& pair = tree.pairs[p];
-      for (std::uint32_t side = 0; side < (p == 0 ? 1U : 2U); ++side) {
-        if (PairTree::is_leaf(pair.link[side])) continue;
-        keys_.push_back((std::uint64_t{std::bit_cast<std::uint32_t>(pair.measure[side])} << 32U) | pair.link[side]);
-      }
-    }
+    // Between passes the k-th largest measure hardly changes: keys well below the last one need not even be collected.
+    collect(tree, floor_);
+    if (keys_.size() < k) collect(tree, 0);
     const auto end = keys_.begin() + static_cast<std::ptrdiff_t>(k);
     if (end != keys_.end()) std::nth_element(keys_.begin(), end, keys_.end(), std::greater<>());
     std::sort(keys_.begin(), end, std::greater<>());
+    floor_ = 0.75F * std::bit_cast<float>(static_cast<std::uint32_t>(keys_[k - 1] >> 32U));
     selected_.clear();
     for (auto key = keys_.begin(); key != end; ++key) selected_.push_back(static_cast<std::uint32_t>(*key));
     return selected_;
@@ -55,7 +51,20 @@ class Selector {
   }
 
  private:
+  /// The inner nodes whose measure is not below `floor`, as (measure's bits, record) in one integer.
+  void collect(const PairTree& tree, float floor) {
+    keys_.clear();
+    for (std::uint32_t p = 0; p < tree.pairs.size(); ++p) {
+      const PairTree::Pair& pair = tree.pairs[p];
+      for (std::uint32_t side = 0; side < (p == 0 ? 1U : 2U); ++side) {
+        if (PairTree::is_leaf(pair.link[side]) || pair.measure[side] < floor) continue;
+        keys_.push_back((std::uint64_t{std::bit_cast<std::uint32_t>(pair.measure[side])} << 32U) | pair.link[side]);
+      }
+    }
+  }
+
   std::mt19937_64 random_;
+  float floor_ = 0;
   std::vector<std::uint64_t> keys_;
   std::vector<std::uint32_t> selected_;
 };

@@ -27,6 +27,8 @@ TEST(Selector, TakesTheLargestInDescendingOrder) {
   for (std::size_t i = 1; i < all.size(); ++i) EXPECT_GE(measure_of(all[i - 1]), measure_of(all[i]));
   const std::vector<std::uint32_t> some = selector.by_area(tree, 10);
   EXPECT_THAT(some, testing::ElementsAreArray(all.begin(), all.begin() + 10));
+  // After a pass that knew a higher floor, more are found than lie above it.
+  EXPECT_THAT(selector.by_area(tree, 99), testing::ElementsAreArray(all));
 }
 
 TEST(Selector, AtRandomReachesEveryInnerNodeAndNothingElse) {
