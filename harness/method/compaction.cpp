@@ -1,5 +1,6 @@
 #include "harness/method/compaction.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -18,7 +19,7 @@ class Collapse {
     triangles_.resize(bvh.nodes.size());
     collapses_.resize(bvh.nodes.size());
     list_nodes();
-    for (auto node = order_.rbegin(); node != order_.rend(); ++node) visit(*node);
+    for (const std::uint32_t node : order_) visit(node);
   }
 
   [[nodiscard]] double cost() const { return costs_[0] / measures_[0]; }
@@ -33,7 +34,7 @@ class Collapse {
     if (!(measures_[0] > 0)) measures_.assign(boxes.size(), 1);
   }
 
-  /// Parents before children: nothing in Bvh2 promises that indices are.
+  /// Children before parents: nothing in Bvh2 promises that indices are in either order.
   void list_nodes() {
     order_.reserve(bvh_.nodes.size());
     order_.push_back(0);
@@ -43,6 +44,7 @@ class Collapse {
       order_.push_back(node.first);
       order_.push_back(node.first + 1);
     }
+    std::reverse(order_.begin(), order_.end());
   }
 
   void visit(std::uint32_t i) {
