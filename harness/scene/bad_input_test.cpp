@@ -187,6 +187,10 @@ TEST_F(BadInput, Gltf) {
             "FILE: node 0 is reached twice; expected a tree of nodes");
   EXPECT_EQ(error("a.gltf", R"({"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_draco_mesh_compression"]})"),
             "FILE: the file needs the extension KHR_draco_mesh_compression; expected uncompressed meshes");
+  std::string chain;
+  for (int node = 1; node <= 1001; ++node) chain += "{\"children\": [" + std::to_string(node) + "]}, ";
+  EXPECT_EQ(error("a.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [)" + chain + "{}]}"),
+            "FILE: the nodes are nested deeper than 1000; expected a flatter tree");
   environment.folder.write("data.bin", test::small_gltf_buffer());
   EXPECT_EQ(error("a.gltf", test::small_gltf("data.bin", 4)),
             "FILE: accessor 1 with 4 elements reaches past its buffer of 42 bytes; expected a complete file");

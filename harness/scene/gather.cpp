@@ -31,15 +31,19 @@ void weld_equal(std::vector<Vec3>& positions, std::vector<Triangle>& triangles) 
   positions = std::move(welded);
 }
 
-void Gather::add(std::span<const Vec3> positions, std::span<const Triangle> mesh, std::uint32_t material) {
+std::uint32_t Gather::add_vertices(std::span<const Vec3> positions) {
   const auto base = static_cast<std::uint32_t>(vertices.size());
   vertices.insert(vertices.end(), positions.begin(), positions.end());
+  return base;
+}
+
+void Gather::add_triangles(std::span<const Triangle> mesh, std::uint32_t base, std::size_t count, std::uint32_t material) {
   for (const Triangle& t : mesh) {
     for (const std::uint32_t v : t.vertex) {
       // Checked here: past its own mesh an index would name a vertex of the next.
-      if (v >= positions.size()) {
+      if (v >= count) {
         fail_at(source, fmt::format("triangle {} refers to vertex {} of its mesh", triangles.size(), v),
-                fmt::format("an index below {}", positions.size()));
+                fmt::format("an index below {}", count));
       }
     }
     triangles.push_back({{base + t[0], base + t[1], base + t[2]}});

@@ -20,8 +20,13 @@ struct Gather {
   std::vector<Triangle> triangles = {};
   std::vector<std::uint32_t> materials = {};
 
-  /// Indices of `mesh` count within `positions`; throws Error naming `source` where one does not.
-  void add(std::span<const Vec3> positions, std::span<const Triangle> mesh, std::uint32_t material);
+  /// Adds vertices and returns the index of the first.
+  std::uint32_t add_vertices(std::span<const Vec3> positions);
+  /// Adds triangles over the `count` vertices from `base` on; throws Error naming `source` where an index is not below `count`.
+  void add_triangles(std::span<const Triangle> mesh, std::uint32_t base, std::size_t count, std::uint32_t material);
+  void add(std::span<const Vec3> positions, std::span<const Triangle> mesh, std::uint32_t material) {
+    add_triangles(mesh, add_vertices(positions), positions.size(), material);
+  }
   [[nodiscard]] Scene finished();
 };
 

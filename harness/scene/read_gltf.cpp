@@ -134,11 +134,13 @@ class GltfReader {
     gather_.scene.materials.push_back({.name = "default"});
     if (model_.scenes.empty()) fail("the file has no scene", "at least one");
     const int wanted = model_.defaultScene < 0 ? 0 : model_.defaultScene;
-    for (const int node : at(model_.scenes, wanted, "scene").nodes) add_node(node, {});
+    for (const int node : at(model_.scenes, wanted, "scene").nodes) add_node(node, {}, 0);
     return gather_.finished();
   }
 
  private:
+  static constexpr int deepest = 1000;  // recursion must not run out of stack
+
   [[noreturn]] void fail(std::string message, std::string expected = {}) const {
     fail_at(source_.name, std::move(message), std::move(expected));
   }
@@ -176,15 +178,16 @@ class GltfReader {
     fail(fmt::format("tinygltf cannot read the file: {}", error));
   }
 
-  void add_node(int index, const Affine& parent) {
+  void add_node(int index, const Affine& parent, int depth) {
     const tinygltf::Node& node = at(model_.nodes, index, "node");
     if (!visited_.insert(index).second) fail(fmt::format("node {} is reached twice", index), "a tree of nodes");
+    if (depth > deepest) fail(fmt::format("the nodes are nested deeper than {}", deepest), "a flatter tree");
     const Affine transform = parent * transform_of(node);
     if (node.mesh >= 0) add_mesh(at(model_.meshes, node.mesh, "mesh"), transform);
     if (node.camera >= 0) add_camera(at(model_.cameras, node.camera, "camera"), node, transform);
     const double light = extension_number(node.extensions, "KHR_lights_punctual", "light", -1);
     if (light >= 0) add_light(at(model_.lights, static_cast<int>(light), "light"), transform);
-    for (const int child : node.children) add_node(child, transform);
+    for (const int child : node.children) add_node(child, transform, depth + 1);
   }
 
   void add_camera(const tinygltf::Camera& c, const tinygltf::Node& node, const Affine& t) {
@@ -209,15 +212,22 @@ class GltfReader {
   }
 
   void add_mesh(const tinygltf::Mesh& mesh, const Affine& t) {
+    std::map<int, std::pair<std::uint32_t, std::uint32_t>> shared;  // accessor: first vertex and count
     for (const tinygltf::Primitive& p : mesh.primitives) {
       const bool makes_triangles = p.mode == TINYGLTF_MODE_TRIANGLES || p.mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
                                    p.mode == TINYGLTF_MODE_TRIANGLE_FAN || p.mode == -1;
       const auto position = p.attributes.find("POSITION");
       if (!makes_triangles || position == p.attributes.end()) continue;
-      std::vector<Vec3> positions = read_positions(position->second);
-      for (Vec3& v : positions) v = t.point(v);
+      // Primitives of a mesh that share their positions share vertices: they may meet along an edge.
+      auto [vertices, added] = shared.try_emplace(position->second);
+      if (added) {
+        std::vector<Vec3> positions = read_positions(position->second);
+        for (Vec3& v : positions) v = t.point(v);
+        vertices->second = {gather_.add_vertices(positions), static_cast<std::uint32_t>(positions.size())};
+      }
+      const auto [base, count] = vertices->second;
       const std::uint32_t material = p.material < 0 ? default_material_ : static_cast<std::uint32_t>(p.material);
-      gather_.add(positions, triangles_of(p, static_cast<std::uint32_t>(positions.size())), material);
+      gather_.add_triangles(triangles_of(p, count), base, count, material);
     }
   }
 
