@@ -23,11 +23,12 @@ class AlignedAllocator {
 
   T* allocate(std::size_t n) {
     void* p = ::operator new(n * sizeof(T), alignment_of(n));
-    if (alignment_of(n) == std::align_val_t{huge_page})
+    if (alignment_of(n) == std::align_val_t{huge_page}) {
       ::madvise(p, n * sizeof(T), MADV_HUGEPAGE);  // a wish; refusal does no harm
+    }
     return static_cast<T*>(p);
   }
-  void deallocate(T* p, std::size_t n) noexcept { ::operator delete(p, n * sizeof(T), alignment_of(n)); }
+  void deallocate(T* p, std::size_t n) noexcept { ::operator delete(p, alignment_of(n)); }
   friend bool operator==(const AlignedAllocator&, const AlignedAllocator&) { return true; }
 
  private:

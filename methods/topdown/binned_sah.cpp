@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "harness/method/registry.h"
 #include "methods/topdown/binned_split.h"
 
@@ -15,7 +17,7 @@ std::vector<ParamSpec> binned_params() {
 /// Top-down construction that evaluates the splits between bins of box centers.
 class BinnedSah final : public Builder {
  public:
-  explicit BinnedSah(const Params& params) : params_(params) {}
+  explicit BinnedSah(Params params) : params_(std::move(params)) {}
 
   static MethodInfo info() {
     return {.name = "binned-sah",

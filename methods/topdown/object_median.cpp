@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "harness/method/registry.h"
 #include "methods/topdown/record_build.h"
 
@@ -14,7 +16,7 @@ struct ObjectMedianSplitter {
 /// floor(n / 2) of them; equal centers by index.
 class ObjectMedian final : public Builder {
  public:
-  explicit ObjectMedian(const Params& params) : params_(params) {}
+  explicit ObjectMedian(Params params) : params_(std::move(params)) {}
 
   static MethodInfo info() {
     return {.name = "object-median",

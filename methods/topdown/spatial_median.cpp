@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "harness/method/registry.h"
 #include "methods/topdown/record_build.h"
 
@@ -24,7 +26,7 @@ struct SpatialMedianSplitter {
 /// one side, the object median along that axis takes its place.
 class SpatialMedian final : public Builder {
  public:
-  explicit SpatialMedian(const Params& params) : params_(params) {}
+  explicit SpatialMedian(Params params) : params_(std::move(params)) {}
 
   static MethodInfo info() {
     return {.name = "spatial-median",

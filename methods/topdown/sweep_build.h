@@ -96,8 +96,9 @@ class SweepBuild {
           sides_(std::make_unique_for_overwrite<std::uint8_t[]>(capacity)),
           indices_(std::make_unique_for_overwrite<std::uint32_t[]>(capacity * static_cast<std::size_t>(orders))),
           view_{records_.get(), {}, sides_.get(), 0} {
-      for (int order = 0; order < orders; ++order)
-        view_.lists.push_back(indices_.get() + static_cast<std::size_t>(order) * capacity);
+      for (std::size_t order = 0; order < static_cast<std::size_t>(orders); ++order) {
+        view_.lists.push_back(indices_.get() + order * capacity);
+      }
     }
 
     const View& hold(const Subtree& s, const View& from) {

@@ -86,7 +86,7 @@ SweepOrders::SweepOrders(const Scene& scene, Positions positions, int threads, c
     : records(scene.triangles.size()) {
   fill_records(scene, threads, records);
   const int per_axis = positions == Positions::box_bounds ? 2 : 1;
-  lists.resize(static_cast<std::size_t>(3 * per_axis));
+  lists.resize(std::size_t{3} * static_cast<std::size_t>(per_axis));
   const auto sort = [&](int order) {
     auto items = std::make_unique_for_overwrite<KeyedIndex[]>(records.size());
     for (std::size_t i = 0; i < records.size(); ++i) {

@@ -1,5 +1,7 @@
 #include <oneapi/tbb/task_arena.h>
 
+#include <utility>
+
 #include "harness/method/registry.h"
 #include "methods/topdown/sweep_build.h"
 
@@ -21,7 +23,7 @@ std::vector<ParamSpec> sweep_params() {
 /// Top-down construction that evaluates every split of the triangles in every order.
 class SweepSah final : public Builder {
  public:
-  explicit SweepSah(const Params& params) : params_(params) {}
+  explicit SweepSah(Params params) : params_(std::move(params)) {}
 
   static MethodInfo info() {
     return {.name = "sweep-sah",
