@@ -76,11 +76,6 @@ void write_file_atomically(const std::filesystem::path& file, std::string_view c
   TemporaryFile temporary(file);
   temporary.write(content);
   temporary.commit();
-  // The rename itself reaches the disk with the folder. Some file systems refuse fsync on folders; the content is safe by then.
-  if (const int directory = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); directory >= 0) {
-    (void)fsync(directory);
-    close(directory);
-  }
 }
 
 void require_writable_folder(const std::filesystem::path& folder) {

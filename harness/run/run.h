@@ -32,7 +32,7 @@ struct RunSummary {
   double wall = 0;
   double measured = 0;  ///< inside timed builds and traces
   double warm_up = 0;   ///< the first build of each method, which gives the exact numbers
-  double set_up = 0;    ///< opening scenes, making rays
+  double set_up = 0;    ///< opening scenes, making rays, freeing structures
   double checks = 0;    ///< validating trees, metrics, reference hits, checking hits, counting
   [[nodiscard]] double harness() const { return wall - measured - warm_up - set_up - checks; }
   /// Two lines: cells, then time.

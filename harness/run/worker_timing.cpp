@@ -28,9 +28,12 @@ TimedWork Worker::timed_build(PipelineWork& work) {
   timed_work.run_once = [this, cell, &work] {
     const MemoryLimit limit(plan_.memory_limit_bytes);
     StageTimes times;
-    const std::unique_ptr<Accel> accel = work.pipeline->run(
+    std::unique_ptr<Accel> accel = work.pipeline->run(
         *scene_, context_, times, [this, cell](std::string_view stage) { announce(Scope::cell, cell, stage); });
     board_.add_time(Spent::measured, times.total());
+    const double built = Board::now_seconds();
+    accel.reset();
+    board_.add_time(Spent::set_up, Board::now_seconds() - built);
     Lap lap{times.total(), {times.build, times.encode}};
     lap.parts.insert(lap.parts.end(), times.optimize.begin(), times.optimize.end());
     return lap;
@@ -97,7 +100,9 @@ void Worker::time_group(std::vector<std::unique_ptr<PipelineWork>>& group) {
   options.warm_up_seconds = plan_.warm_up_seconds;
   options.on_repetition = [this] { board_.count_repetition(); };
   time_interleaved(std::move(works), options);
+  const double timed = Board::now_seconds();
   group.clear();
+  board_.add_time(Spent::set_up, Board::now_seconds() - timed);
 }
 
 }  // namespace raystudy
