@@ -8,7 +8,8 @@
 
 namespace raystudy {
 
-/// A ray segment: origin + t · direction for t in [tmin, tmax]. The direction need not have unit length.
+/// A ray segment: origin + t · direction for t in [tmin, tmax]. The direction need not have unit length;
+/// 0 <= tmin <= tmax. A ray that breaks this, is not finite, or has no direction hits nothing.
 struct Ray {
   Vec3 origin;
   float tmin = 0;
