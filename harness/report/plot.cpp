@@ -142,7 +142,7 @@ Json depth_histogram(const FigureSpec& figure, const Report& report, std::vector
   if (rows.empty()) return {};
   Json encoding{
       {"x", {{"field", "depth"}, {"type", "quantitative"}, {"title", "depth"}, {"axis", {{"tickMinStep", 1}, {"format", "d"}}}}},
-      {"y", {{"field", "area"}, {"type", "quantitative"}, {"title", "sum of surface areas / area of the root"}}}};
+      {"y", {{"field", "area"}, {"type", "quantitative"}, {"title", "sum of areas / root area"}}}};
   add_styles(encoding, figure);
   Json spec = document(figure, std::move(rows));
   const Json header{{"title", nullptr}, {"labelFontSize", 13}};
