@@ -138,6 +138,9 @@ void draw_pictures(const FigureSpec& figure, const Plan& plan, const fs::path& f
       } else {
         drawer.heat_maps();
       }
+    } catch (const SceneNotInstalled& missing) {
+      outcome.failed = true;
+      outcome.gaps.emplace_back(missing.what());
     } catch (const Error& error) {
       outcome.failed = true;
       outcome.gaps.push_back(fmt::format("{}: {}", label, error.what()));

@@ -90,8 +90,7 @@ const CellResult* build_result(const Report& report, const std::string& scene, c
   std::string gap;
   if (found == nullptr) gap = fmt::format("{}, {}: not run", scene, method);
   if (found != nullptr && found->status != CellStatus::done) {
-    gap = found->status == CellStatus::missing ? fmt::format("{}: {}", scene, found->reason)
-                                               : fmt::format("{}, {}: {}", scene, method, found->reason);
+    gap = found->status == CellStatus::missing ? found->reason : fmt::format("{}, {}: {}", scene, method, found->reason);
     found = nullptr;
   }
   if (!gap.empty() && std::find(gaps.begin(), gaps.end(), gap) == gaps.end()) gaps.push_back(gap);

@@ -20,7 +20,7 @@ using Choices = std::vector<std::pair<std::string, T>>;
 const Choices<Comparability> comparabilities{{"same", Comparability::same},
                                              {"close-variant", Comparability::close_variant},
                                              {"variant", Comparability::variant},
-                                             {"absent", Comparability::absent}};
+                                             {"unverified", Comparability::unverified}};
 const Choices<ComparedBy> comparisons{
     {"value", ComparedBy::value}, {"trend", ComparedBy::trend}, {"nothing", ComparedBy::nothing}};
 const Choices<PublishedRows> row_kinds{
@@ -104,7 +104,7 @@ class Reader {
       const std::string what = fmt::format("scene '{}'", entry.key);
       check_keys(at, what, {"ours", "comparability", "reason"}, {});
       PublishedScene scene{entry.key, text(at, "ours"), choice(at, "comparability", comparabilities), text(at, "reason")};
-      if (scene.comparability != Comparability::absent) require(at, {"ours"}, what);
+      if (scene.comparability != Comparability::unverified) require(at, {"ours"}, what);
       if (scene.comparability != Comparability::same) require(at, {"reason"}, what);
       if (const PublishedScene* other = out_.scene_of(scene.ours)) {
         problem(at.where, fmt::format("scenes '{}' and '{}' are both our '{}'", other->name, entry.key, scene.ours));

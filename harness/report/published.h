@@ -14,8 +14,9 @@ namespace raystudy {
 
 /// How near our scene is to the paper's. same: the same model. close_variant: another export or edition of it, a few per cent of
 /// the triangles apart; compared like the same model, and every verdict says so. variant: remodelled or of another size; exact
-/// and absolute values are not comparable, of relative ones only the direction is. absent: no file of it is known.
-enum class Comparability : unsigned char { same, close_variant, variant, absent };
+/// and absolute values are not comparable, of relative ones only the direction is. unverified: a user may
+/// add the file, but none has been held against the paper yet; judged like a variant.
+enum class Comparability : unsigned char { same, close_variant, variant, unverified };
 
 /// What a published number can be held to. value: the number itself, within its tolerance. trend: its direction. nothing: it is
 /// shown only (times on other hardware).
@@ -41,7 +42,7 @@ struct PublishedValue {
 
 struct PublishedScene {
   std::string name;  ///< the paper's
-  std::string ours;  ///< catalog or generator name; empty where absent
+  std::string ours;  ///< catalog or generator name; empty where the catalog has none
   Comparability comparability = Comparability::same;
   std::string reason;  ///< what differs; empty only for the same model
 };

@@ -68,7 +68,7 @@ TEST(Published, SaysWhatIsWrongAndWhere) {
   EXPECT_EQ(
       error_of(
           "citation: a\nscenes:\n  A: {ours: a, comparability: sme}\n  B: {comparability: variant}\n  C: {ours: a}\ntables: {}"),
-      "p.yaml:3:31: 'comparability' is the text 'sme'; expected one of same, close-variant, variant, absent; did you mean "
+      "p.yaml:3:31: 'comparability' is the text 'sme'; expected one of same, close-variant, variant, unverified; did you mean "
       "'same'?\n"
       "p.yaml:4:6: scene 'B' has no 'ours'\n"
       "p.yaml:4:6: scene 'B' has no 'reason'\n"

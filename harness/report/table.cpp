@@ -206,9 +206,8 @@ class TableBuilder {
       for (const ReportColumn& column : table_.columns) {
         ReportCell cell;
         cell.absence = not_at_hand;
-        cell.reason = scene.ours.empty()
-                          ? fmt::format("scene not installed: {}", scene.reason)
-                          : fmt::format("scene not in this experiment: {} is our '{}'", scene.name, scene.ours);
+        cell.reason = scene.ours.empty() ? fmt::format("scene not installed: {}", scene.reason)
+                                         : fmt::format("scene not in this experiment: {} is our '{}'", scene.name, scene.ours);
         if (column.published != nullptr && column.published->values.contains(scene.name)) {
           cell.published = column.published->values.at(scene.name);
           cell.value_class = column.published->value_class;

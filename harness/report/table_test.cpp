@@ -93,12 +93,14 @@ TEST_F(TableTest, AMissingSceneIsAVisibleRow) {
   result("sibenik-ogre", "sah").reason = "scene not installed: raystudy scene get sibenik-ogre";
   const ReportTable table = build();
   EXPECT_EQ(cell(table, 0, 0).absence, "not installed");
-  EXPECT_EQ(cell(table, 0, 0).reason, "sibenik-ogre: scene not installed: raystudy scene get sibenik-ogre");
+  EXPECT_EQ(cell(table, 0, 0).reason, "scene not installed: raystudy scene get sibenik-ogre");
   EXPECT_EQ(cell(table, 0, 1).absence, "not installed");
   EXPECT_EQ(table.rows.at(4).label, "Fairy Forest");
   EXPECT_EQ(cell(table, 4, 0).published->text, "95.10");
   EXPECT_EQ(cell(table, 4, 0).reason, "scene not in this experiment: Fairy Forest is our 'fairy-forest'");
   EXPECT_EQ(table.rows.size(), 4U + 6U);
+  published->scenes[1].ours.clear();
+  EXPECT_EQ(cell(build(), 4, 0).reason, "scene not installed: no file of it has been held against the paper yet");
 }
 
 TEST_F(TableTest, APaperSceneThatNobodyKnowsIsARowToo) {

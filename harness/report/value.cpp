@@ -33,7 +33,7 @@ std::string described(const ValuePlace& place) {
 void explain(Found& found, const CellResult& cell, const ValuePlace& place) {
   if (cell.status == CellStatus::missing) {
     found.absence = "not installed";
-    found.reason = fmt::format("{}: {}", place.scene, cell.reason);
+    found.reason = cell.reason;  // names the scene
   } else {
     found.absence = "failed";
     found.reason = fmt::format("{}: {}", described(place), cell.reason);

@@ -41,7 +41,7 @@ std::string_view verdict_name(Verdict verdict) {
 Judgement judge(const PublishedColumn& column, const PublishedScene* scene, double published, const Estimate& ours,
                 const std::vector<Peer>& peers) {
   const Comparability comparability = scene == nullptr ? Comparability::same : scene->comparability;
-  const bool is_variant = comparability == Comparability::variant || comparability == Comparability::absent;
+  const bool is_variant = comparability == Comparability::variant || comparability == Comparability::unverified;
   const std::string variant = is_variant ? "scene variant: " + scene->reason : "";
   const std::string close = comparability == Comparability::close_variant ? "close variant of the scene: " + scene->reason : "";
 
