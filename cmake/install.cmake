@@ -6,6 +6,8 @@ include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Raystudy)
 
 install(TARGETS raystudy_harness EXPORT RaystudyTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS raystudy_image_codec LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+set_target_properties(raystudy_image_codec PROPERTIES INSTALL_RPATH "$ORIGIN")
 install(TARGETS raystudy_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 set_target_properties(raystudy_cli PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/harness DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/raystudy

@@ -1,30 +1,17 @@
 #include "harness/report/image.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
-#include <OpenImageIO/imageio.h>
+#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <memory>
 #include <stdexcept>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/report/codec/image_codec.h"
 
 namespace raystudy {
 namespace {
-
-constexpr const char* font = "DejaVuSans";
-
-/// The curve of IEC 61966-2-1 for one channel.
-float srgb(float linear) {
-  const float x = std::clamp(linear, 0.0F, 1.0F);
-  return x <= 0.0031308F ? 12.92F * x : 1.055F * std::pow(x, 1 / 2.4F) - 0.055F;
-}
 
 std::string extension_of(const std::filesystem::path& file) {
   const std::string extension = file.extension().string();
@@ -34,43 +21,28 @@ std::string extension_of(const std::filesystem::path& file) {
   return extension;
 }
 
-/// The file's bytes, encoded in memory: the encoders report a full disk badly, our own writing does not.
-std::string encoded(const Image& image, const std::string& extension) {
-  const bool png = extension == ".png";
-  OIIO::ImageSpec spec(image.width, image.height, static_cast<int>(image.channels.size()),
-                       png ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT);
-  spec.channelnames = image.channels;
-  spec.attribute("oiio:ColorSpace", png ? "sRGB" : "Linear");
-  spec.attribute("compression", "zip");  // of EXR
-  spec.attribute("png:compressionLevel", 9);
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput memory(bytes);
-  const std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create("memory" + extension, &memory);
-  bool good = out != nullptr && out->open("memory" + extension, spec);
-  if (good && png) {
-    std::vector<unsigned char> values(image.pixels.size());
-    std::transform(image.pixels.begin(), image.pixels.end(), values.begin(),
-                   [](float x) { return static_cast<unsigned char>(255 * srgb(x) + 0.5F); });
-    good = out->write_image(OIIO::TypeDesc::UINT8, values.data());
-  } else if (good) {
-    good = out->write_image(OIIO::TypeDesc::FLOAT, image.pixels.data());
-  }
-  if (!good || !out->close()) {
-    throw Error(fmt::format("cannot encode an image as {}: {}", extension, out ? out->geterror() : OIIO::geterror()));
-  }
-  return {bytes.begin(), bytes.end()};
-}
-
 std::filesystem::path folder_of(const std::filesystem::path& file) {
   return file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
 }
 
-OIIO::ROI text_extent(const std::string& text, int size) {
-  const OIIO::ROI roi = OIIO::ImageBufAlgo::text_size(text, size, font);
-  if (!roi.defined()) {
-    throw Error(fmt::format("cannot draw text: {} (the font is in Debian's package fonts-dejavu-core)", OIIO::geterror()));
-  }
-  return roi;
+/// The codec's library beside our own, loaded when the first image is made: OpenImageIO brings some 250 libraries, and starting
+/// every command with them would cost half a second.
+const ImageCodec& image_codec() {
+  static const ImageCodec& codec = [&]() -> const ImageCodec& {
+    Dl_info here{};
+    if (dladdr(reinterpret_cast<const void*>(&filled_image), &here) == 0)
+      throw std::logic_error("dladdr does not know this library");
+    const std::filesystem::path file = std::filesystem::path(here.dli_fname).parent_path() / image_codec_library;
+    void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+    void* entry = library == nullptr ? nullptr : dlsym(library, image_codec_entry);
+    if (entry == nullptr) {
+      const char* reason = dlerror();
+      throw Error(
+          fmt::format("cannot load the image codec '{}': {}", file.string(), reason != nullptr ? reason : "unknown reason"));
+    }
+    return reinterpret_cast<ImageCodecEntry*>(entry)();
+  }();
+  return codec;
 }
 
 }  // namespace
@@ -94,21 +66,10 @@ Image tone_mapped(const Image& radiance, float exposure) {
 }
 
 void draw_text(Image& image, int x, int y, const std::string& text, int size, Vec3 color, TextAlign align) {
-  text_extent(text, size);  // throws where there is no font
-  const OIIO::ImageSpec spec(image.width, image.height, static_cast<int>(image.channels.size()), OIIO::TypeDesc::FLOAT);
-  OIIO::ImageBuf buffer(spec, image.pixels.data());  // works on our pixels
-  const auto align_x = align == TextAlign::left    ? OIIO::ImageBufAlgo::TextAlignX::Left
-                       : align == TextAlign::right ? OIIO::ImageBufAlgo::TextAlignX::Right
-                                                   : OIIO::ImageBufAlgo::TextAlignX::Center;
-  const std::array<float, 3> ink{color.x, color.y, color.z};
-  // The middle of a line is 0.36 sizes above its baseline, whatever letters it holds.
-  if (!OIIO::ImageBufAlgo::render_text(buffer, x, y + static_cast<int>(0.36F * static_cast<float>(size)), text, size, font, ink,
-                                       align_x, OIIO::ImageBufAlgo::TextAlignY::Baseline)) {
-    throw Error(fmt::format("cannot draw text: {}", buffer.geterror()));
-  }
+  image_codec().draw_text(image, x, y, text, size, color, align);
 }
 
-int text_width(const std::string& text, int size) { return text_extent(text, size).width(); }
+int text_width(const std::string& text, int size) { return image_codec().text_width(text, size); }
 
 Image side_by_side(std::span<const Image> images, std::span<const std::string> labels, int gap) {
   if (images.empty()) throw std::logic_error("side_by_side: no images");
@@ -141,7 +102,7 @@ void write_image(const std::filesystem::path& file, const Image& image) {
   const std::string extension = extension_of(file);
   if (extension == ".png" && image.kind == ImageKind::data) throw std::logic_error("write_image: data cannot be shown as PNG");
   const bool to_map = extension == ".png" && image.kind == ImageKind::radiance;
-  write_file_atomically(file, encoded(to_map ? tone_mapped(image) : image, extension));
+  write_file_atomically(file, image_codec().encoded(to_map ? tone_mapped(image) : image, extension));
 }
 
 }  // namespace raystudy
