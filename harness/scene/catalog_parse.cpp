@@ -45,8 +45,9 @@ class Parser {
     for (const auto& item : node.items) each(*item);
   }
   void text(const YamlNode& node, std::string_view key, std::string& out) {
-    if (!node.is_scalar() || node.text.empty())
+    if (!node.is_scalar() || node.text.empty()) {
       return complain(node.where, fmt::format("'{}' is {}", key, described(node)), "a text");
+    }
     out = node.text;
   }
   template <class T>
@@ -60,10 +61,12 @@ class Parser {
   void vec3(const YamlNode& node, std::string_view key, Vec3& out) {
     Vec3 value;
     bool good = node.is_list() && node.items.size() == 3;
-    for (std::size_t k = 0; good && k < 3; ++k)
+    for (std::size_t k = 0; good && k < 3; ++k) {
       good = node.items[k]->is_scalar() && parse_number(node.items[k]->text, value[static_cast<int>(k)]);
-    if (!good || !is_finite(value))
+    }
+    if (!good || !is_finite(value)) {
       return complain(node.where, fmt::format("'{}' is {}", key, described(node)), "three numbers, e.g. [0, 1, 0]");
+    }
     out = value;
   }
 
@@ -87,8 +90,9 @@ CatalogFile parse_file(Parser& p, const YamlNode& node) {
   file.where = node.where;
   const auto sha = [&](const YamlNode& n) {
     p.text(n, "sha256", file.sha256);
-    if (!file.sha256.empty() && !is_sha256(file.sha256))
+    if (!file.sha256.empty() && !is_sha256(file.sha256)) {
       p.complain(n.where, fmt::format("'sha256' is '{}'", file.sha256), "64 lower-case hex digits");
+    }
   };
   const auto get = [&](const YamlNode& n) {
     p.text(n, "get", file.get);
@@ -130,8 +134,9 @@ Light parse_light(Parser& p, const YamlNode& node) {
          {"direction", [&](const YamlNode& n) { p.vec3(n, "direction", light.position), light.point_at_infinity = true; }},
          {"intensity", [&](const YamlNode& n) { p.vec3(n, "intensity", light.intensity); }}},
         {"name"});
-  if (node.is_map() && has_position == light.point_at_infinity)
+  if (node.is_map() && has_position == light.point_at_infinity) {
     p.complain(node.where, "a light needs either 'position' or 'direction'");
+  }
   return light;
 }
 
@@ -188,12 +193,14 @@ CatalogEntry parse_entry(Parser& p, const YamlEntry& named) {
   if (node.is_map() && entry.by_hand.empty() && node.find("triangles") == nullptr) {
     p.complain(named.where, fmt::format("scene '{}' has no 'triangles'", entry.name), "a count, or 'by-hand'");
   }
-  if (node.is_map() && node.find("files") != nullptr && entry.files.empty())
+  if (node.is_map() && node.find("files") != nullptr && entry.files.empty()) {
     p.complain(named.where, fmt::format("scene '{}' has no file", entry.name), "at least one");
+  }
   std::set<std::string> names;
   for (const Camera& camera : entry.cameras) {
-    if (!names.insert(camera.name).second)
+    if (!names.insert(camera.name).second) {
       p.complain(named.where, fmt::format("scene '{}' has two cameras '{}'", entry.name, camera.name));
+    }
   }
   for (const CatalogFile& file : entry.files) {
     if (!file.sha256.empty() || !entry.by_hand.empty()) continue;
@@ -210,8 +217,9 @@ Catalog read_catalog(const std::filesystem::path& file) {
   Parser p;
   const auto root = read_yaml(catalog.file, p.found);
   const auto scenes = [&](const YamlNode& node) {
-    if (!node.is_map())
+    if (!node.is_map()) {
       return p.complain(node.where, fmt::format("'scenes' is {}", described(node)), "a map of names and scenes");
+    }
     for (const YamlEntry& entry : node.entries) catalog.entries.push_back(parse_entry(p, entry));
   };
   p.map(*root, "the catalog", {{"scenes", scenes}}, {"scenes"});

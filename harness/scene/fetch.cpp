@@ -3,13 +3,13 @@
 #include <curl/curl.h>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
+#include <csignal>
 #include <cstring>
 #include <memory>
 
@@ -18,8 +18,6 @@
 #include "harness/scene/archive.h"
 #include "harness/scene/open.h"
 #include "harness/scene/sha256.h"
-
-extern char** environ;
 
 namespace raystudy {
 namespace {
@@ -34,8 +32,9 @@ void remove_stale(const fs::path& folder) {
     constexpr std::string_view prefix = ".get-";
     pid_t pid = 0;
     if (!name.starts_with(prefix) ||
-        std::from_chars(name.data() + prefix.size(), name.data() + name.size(), pid).ec != std::errc{})
+        std::from_chars(name.data() + prefix.size(), name.data() + name.size(), pid).ec != std::errc{}) {
       continue;
+    }
     if (pid > 0 && ::kill(pid, 0) != 0 && errno == ESRCH) fs::remove_all(entry.path(), ignored);
   }
 }
@@ -47,8 +46,9 @@ class WorkFolder {
     require_writable_folder(folder);
     remove_stale(folder);
     std::string name = (folder / fmt::format(".get-{}-XXXXXX", ::getpid())).string();
-    if (::mkdtemp(name.data()) == nullptr)
+    if (::mkdtemp(name.data()) == nullptr) {
       fail_at(folder.string(), fmt::format("no folder can be made in it: {}", std::strerror(errno)));
+    }
     path_ = name;
   }
   WorkFolder(const WorkFolder&) = delete;
@@ -92,11 +92,12 @@ void run_client(const std::vector<std::string>& command, const std::string& debi
   pid_t pid = 0;
   const int failed = posix_spawnp(&pid, command[0].c_str(), &actions, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
-  if (failed == ENOENT)
+  if (failed == ENOENT) {
     throw Error(Diagnostic{{},
                            fmt::format("the client '{}' is not on the PATH", command[0]),
                            fmt::format("the Debian package {}", debian_package),
                            {}});
+  }
   if (failed != 0) throw Error(fmt::format("the client '{}' cannot be started: {}", command[0], std::strerror(failed)));
   int status = 0;
   while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
@@ -138,9 +139,10 @@ struct FileCloser {
 };
 
 int report(void* progress, curl_off_t total, curl_off_t now, curl_off_t /*up_total*/, curl_off_t /*up_now*/) {
-  if (total > 0)
+  if (total > 0) {
     static_cast<Progress*>(progress)->update(static_cast<double>(now) / static_cast<double>(total),
                                              bytes_text(static_cast<double>(now)));
+  }
   return 0;
 }
 
@@ -153,8 +155,9 @@ FetchSource parse_source(std::string_view get) {
   if ((npm || get.starts_with("deb:")) && hash != std::string_view::npos && hash > 4 && hash + 1 < get.size()) {
     std::string package(get.substr(4, hash - 4));
     const bool good = package[0] != '-' && (!npm || package.find('@', 1) != std::string::npos);  // @scope/name@version
-    if (good)
+    if (good) {
       return {npm ? FetchSource::Kind::npm : FetchSource::Kind::deb, std::move(package), std::string(get.substr(hash + 1))};
+    }
   }
   throw Error(
       Diagnostic{{}, fmt::format("'{}' is no source", get), "https://…, npm:package@version#path or deb:package#path", {}});
@@ -183,8 +186,9 @@ void download(const std::string& address, const fs::path& to, const char* protoc
   curl_easy_setopt(curl.get(), CURLOPT_XFERINFODATA, &progress);
   const CURLcode code = curl_easy_perform(curl.get());
   const int write_error = std::fflush(out.get()) != 0 ? errno : 0;
-  if (code == CURLE_WRITE_ERROR || write_error != 0)
+  if (code == CURLE_WRITE_ERROR || write_error != 0) {
     fail_at(to.string(), fmt::format("cannot be written: {}", std::strerror(write_error != 0 ? write_error : ENOSPC)));
+  }
   if (code == CURLE_PARTIAL_FILE) throw Error(fmt::format("{}: the download was cut short", address));
   long status = 0;
   curl_easy_getinfo(curl.get(), CURLINFO_RESPONSE_CODE, &status);
@@ -201,7 +205,7 @@ fs::path fetch_file(const CatalogFile& file, const fs::path& folder) {
     fail_at(file.get, fmt::format("the SHA-256 of what came is {}", found),
             fmt::format("{}; nothing was installed", file.sha256));
   }
-  const fs::path target = folder / file.path;
+  fs::path target = folder / file.path;
   write_file_atomically(target, as_text(bytes));
   return target;
 }

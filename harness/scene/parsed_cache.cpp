@@ -72,8 +72,9 @@ json describe(const ParsedScene& parsed) {
     d["materials"].push_back({m.name, static_cast<int>(m.kind), to_json(m.color), to_json(m.emission), m.refraction_index});
   }
   for (const Light& l : s.lights) d["lights"].push_back({l.name, to_json(l.position), to_json(l.intensity), l.point_at_infinity});
-  for (const Camera& c : s.cameras)
+  for (const Camera& c : s.cameras) {
     d["cameras"].push_back({c.name, to_json(c.eye), to_json(c.target), to_json(c.up), c.vertical_fov});
+  }
   return d;
 }
 
@@ -88,8 +89,9 @@ void restore(const json& d, ParsedScene& parsed) {
     s.materials.push_back({m.at(0), static_cast<MaterialKind>(m.at(1).get<int>()), to_vec3(m.at(2)), to_vec3(m.at(3)), m.at(4)});
   }
   for (const json& l : d.at("lights")) s.lights.push_back({l.at(0), to_vec3(l.at(1)), to_vec3(l.at(2)), l.at(3)});
-  for (const json& c : d.at("cameras"))
+  for (const json& c : d.at("cameras")) {
     s.cameras.push_back({c.at(0), to_vec3(c.at(1)), to_vec3(c.at(2)), to_vec3(c.at(3)), c.at(4)});
+  }
 }
 
 template <class T>
@@ -263,8 +265,9 @@ void keep_parsed(std::string_view key, const ParsedScene& parsed) {
     if (file.error() == 0) write_file(file, parsed);
     error = file.error();
   }
-  if (error != 0)
+  if (error != 0) {
     warn_once(fmt::format("parsed scenes are not cached: {} cannot be written: {}", folder->string(), std::strerror(error)));
+  }
 }
 
 }  // namespace raystudy

@@ -73,8 +73,9 @@ class BspReader {
     for (std::size_t f = 0; f < faces_.size(); ++f) {
       if (!is_mesh(faces_[f])) continue;
       first[f] = static_cast<std::uint32_t>(positions_.size());
-      for (std::uint32_t i = 0; i < faces_[f].vertex_count; ++i)
+      for (std::uint32_t i = 0; i < faces_[f].vertex_count; ++i) {
         positions_.push_back(vertices_[faces_[f].first_vertex + i].position);
+      }
     }
     for (const FaceRecord& face : faces_) {
       if (face.type == 2) add_patch(face);
@@ -92,7 +93,7 @@ class BspReader {
   static bool is_mesh(const FaceRecord& face) { return face.type == 1 || face.type == 3; }
 
   template <class T>
-  std::vector<T> lump(const Header& header, std::size_t which, std::string_view name) const {
+  [[nodiscard]] std::vector<T> lump(const Header& header, std::size_t which, std::string_view name) const {
     const LumpEntry entry = header.lumps[which];
     const std::size_t size = source_.bytes.size();
     if (entry.offset > size || entry.length > size - entry.offset || entry.length % sizeof(T) != 0) {
@@ -114,8 +115,9 @@ class BspReader {
     if (face.type == 4) return;
     const auto [width, height] = face.patch_size;
     if (face.type < 1 || face.type > 4) fail(fmt::format("face {} has type {}", f, face.type), "1 to 4");
-    if (face.texture >= textures_.size())
+    if (face.texture >= textures_.size()) {
       fail(fmt::format("face {} refers to texture {}", f, face.texture), fmt::format("an index below {}", textures_.size()));
+    }
     if (!within(face.first_vertex, face.vertex_count, vertices_.size())) {
       fail(fmt::format("face {} refers to vertex {}", f, std::uint64_t{face.first_vertex} + face.vertex_count - 1),
            fmt::format("an index below {}", vertices_.size()));
@@ -133,8 +135,9 @@ class BspReader {
     }
     for (std::uint32_t i = 0; i < face.mesh_vertex_count; ++i) {
       const std::uint32_t corner = mesh_vertices_[face.first_mesh_vertex + i];
-      if (corner >= face.vertex_count)
+      if (corner >= face.vertex_count) {
         fail(fmt::format("face {} refers to its vertex {}", f, corner), fmt::format("an index below {}", face.vertex_count));
+      }
     }
   }
 
@@ -168,10 +171,11 @@ class BspReader {
       for (std::uint32_t j = 0; j < cuts; ++j) {
         for (std::uint32_t i = 0; i < cuts; ++i) {
           const std::uint32_t a = base + j * row + i;
-          if (upper)
+          if (upper) {
             add(face.texture, a + 1, a + row, a + row + 1);
-          else
+          } else {
             add(face.texture, a, a + row, a + 1);
+          }
         }
       }
     }

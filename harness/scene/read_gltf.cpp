@@ -46,8 +46,9 @@ Affine operator*(const Affine& a, const Affine& b) {
 Affine transform_of(const tinygltf::Node& node) {
   Affine t;
   if (node.matrix.size() == 16) {
-    for (std::size_t c = 0; c < 4; ++c)
+    for (std::size_t c = 0; c < 4; ++c) {
       std::copy_n(node.matrix.begin() + static_cast<std::ptrdiff_t>(4 * c), 3, t.column[c].begin());
+    }
     return t;
   }
   if (node.rotation.size() == 4) {
@@ -74,8 +75,9 @@ Vec3 vec3(const std::vector<double>& c, Vec3 otherwise) {
 double extension_number(const tinygltf::ExtensionMap& extensions, const std::string& extension, const std::string& key,
                         double otherwise) {
   const auto found = extensions.find(extension);
-  if (found == extensions.end() || !found->second.IsObject() || !found->second.Has(key) || !found->second.Get(key).IsNumber())
+  if (found == extensions.end() || !found->second.IsObject() || !found->second.Has(key) || !found->second.Get(key).IsNumber()) {
     return otherwise;
+  }
   return found->second.Get(key).GetNumberAsDouble();
 }
 
@@ -126,8 +128,9 @@ class GltfReader {
   Scene read() {
     parse();
     for (const std::string& extension : model_.extensionsRequired) {
-      if (extension == "KHR_draco_mesh_compression" || extension == "EXT_meshopt_compression")
+      if (extension == "KHR_draco_mesh_compression" || extension == "EXT_meshopt_compression") {
         fail(fmt::format("the file needs the extension {}", extension), "uncompressed meshes");
+      }
     }
     for (const tinygltf::Material& m : model_.materials) gather_.scene.materials.push_back(converted(m));
     default_material_ = static_cast<std::uint32_t>(gather_.scene.materials.size());
@@ -242,12 +245,13 @@ class GltfReader {
     const bool list = p.mode == TINYGLTF_MODE_TRIANGLES || p.mode == -1;
     const std::size_t step = list ? 3 : 1;
     for (std::size_t i = 0; i + 2 < corners.size(); i += step) {
-      if (p.mode == TINYGLTF_MODE_TRIANGLE_FAN)
+      if (p.mode == TINYGLTF_MODE_TRIANGLE_FAN) {
         triangles.push_back({{corners[0], corners[i + 1], corners[i + 2]}});
-      else if (!list && i % 2 == 1)
+      } else if (!list && i % 2 == 1) {
         triangles.push_back({{corners[i + 1], corners[i], corners[i + 2]}});  // every other of a strip is turned
-      else
+      } else {
         triangles.push_back({{corners[i], corners[i + 1], corners[i + 2]}});
+      }
     }
     return triangles;
   }
@@ -264,8 +268,9 @@ class GltfReader {
   View view(int index, int type) const {
     const tinygltf::Accessor& a = at(model_.accessors, index, "accessor");
     if (a.sparse.isSparse) fail(fmt::format("accessor {} is sparse", index), "a dense accessor");
-    if (a.type != type)
+    if (a.type != type) {
       fail(fmt::format("accessor {} has the wrong type", index), type == TINYGLTF_TYPE_VEC3 ? "VEC3" : "SCALAR");
+    }
     const tinygltf::BufferView& v = at(model_.bufferViews, a.bufferView, "buffer view");
     const tinygltf::Buffer& b = at(model_.buffers, v.buffer, "buffer");
     const int component_bytes = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(a.componentType));
@@ -276,9 +281,10 @@ class GltfReader {
     const bool fits = v.byteOffset <= size && v.byteLength <= size - v.byteOffset && a.byteOffset <= v.byteLength &&
                       (a.count == 0 || (element <= v.byteLength - a.byteOffset &&
                                         a.count - 1 <= (v.byteLength - a.byteOffset - element) / stride));
-    if (!fits)
+    if (!fits) {
       fail(fmt::format("accessor {} with {} elements reaches past its buffer of {} bytes", index, a.count, size),
            "a complete file");
+    }
     return {b.data.data() + v.byteOffset + a.byteOffset, stride, a.count, a.componentType, a.normalized};
   }
 

@@ -112,8 +112,9 @@ class ObjReader {
   std::uint32_t index(std::string_view word) {
     const std::string_view digits = word.substr(0, word.find('/'));
     std::int64_t i = 0;
-    if (!TextCursor::parse(digits, i))
+    if (!TextCursor::parse(digits, i)) {
       cursor_.fail(fmt::format("'{}' stands where a vertex index should", shown(word)), "a whole number");
+    }
     const auto count = static_cast<std::int64_t>(vertices_.size());
     const std::int64_t from_zero = i < 0 ? count + i : i - 1;
     if (i == 0 || from_zero < 0 || from_zero > 0xfffffffeLL) {
@@ -127,8 +128,9 @@ class ObjReader {
     if (library(names)) return;
     std::istringstream words(names);
     for (std::string name; words >> name;) {
-      if (!library(name))
+      if (!library(name)) {
         cursor_.fail(fmt::format("the material library '{}' is missing", shown(name)), "that file beside the model");
+      }
     }
   }
 

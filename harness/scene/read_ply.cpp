@@ -84,8 +84,9 @@ class HeaderParser {
       if (words[0] == "end_header") break;
       statement(words);
     }
-    if (header_.encoding == Encoding::none)
+    if (header_.encoding == Encoding::none) {
       fail("the header has no 'format' line", "format ascii, binary_little_endian or binary_big_endian");
+    }
     header_.end = position_;
     header_.lines = line_;
     return std::move(header_);
@@ -108,14 +109,15 @@ class HeaderParser {
 
   void statement(const std::vector<std::string_view>& words) {
     if (words[0] == "format" && words.size() == 3) {
-      if (words[1] == "ascii")
+      if (words[1] == "ascii") {
         header_.encoding = Encoding::ascii;
-      else if (words[1] == "binary_little_endian")
+      } else if (words[1] == "binary_little_endian") {
         header_.encoding = Encoding::little;
-      else if (words[1] == "binary_big_endian")
+      } else if (words[1] == "binary_big_endian") {
         header_.encoding = Encoding::big;
-      else
+      } else {
         fail(fmt::format("unknown format '{}'", words[1]), "ascii, binary_little_endian or binary_big_endian");
+      }
     } else if (words[0] == "element" && words.size() == 3) {
       Element element{std::string(words[1]), 0, {}};
       const auto [end, error] = std::from_chars(words[2].data(), words[2].data() + words[2].size(), element.count);
@@ -127,8 +129,9 @@ class HeaderParser {
       header_.elements.back().properties.push_back({std::string(words[2]), type(words[1])});
     } else if (words[0] == "property" && !header_.elements.empty() && words.size() == 5 && words[1] == "list") {
       const Type count_type = type(words[2]);
-      if (!is_integer(count_type))
+      if (!is_integer(count_type)) {
         fail(fmt::format("the list '{}' has a count of type '{}'", words[4], words[2]), "an integer type");
+      }
       header_.elements.back().properties.push_back({std::string(words[4]), type(words[3]), true, count_type});
     } else {
       fail(fmt::format("the header line '{}' is not understood", shown(fmt::format("{}", fmt::join(words, " ")))),
@@ -136,11 +139,12 @@ class HeaderParser {
     }
   }
 
-  Type type(std::string_view word) const {
+  [[nodiscard]] Type type(std::string_view word) const {
     for (const auto& [name, t] : type_names) {
       if (name == word) return t;
     }
     std::vector<std::string> known;
+    known.reserve(type_names.size());
     for (const auto& [name, t] : type_names) known.emplace_back(name);
     throw Error(Diagnostic{
         {source_.name, line_, 0}, fmt::format("unknown property type '{}'", word), "a PLY type", nearest_name(word, known)});
@@ -247,8 +251,9 @@ class AsciiCursor {
   std::int64_t integer(Type /*type*/) {
     const std::string_view word = next_word();
     std::int64_t value = 0;
-    if (!TextCursor::parse(word, value))
+    if (!TextCursor::parse(word, value)) {
       fail(fmt::format("'{}' stands where an index or count should", shown(word)), "a whole number");
+    }
     return value;
   }
   [[noreturn]] void fail(std::string message, std::string expected) const {
@@ -291,12 +296,13 @@ class BodyReader {
         cursor_.fail_short(element.name, most, element.count);
       }
       if (element.properties.empty()) continue;
-      if (element.name == "vertex")
+      if (element.name == "vertex") {
         read_vertices(element);
-      else if (element.name == "face")
+      } else if (element.name == "face") {
         read_faces(element);
-      else
+      } else {
         skip(element);
+      }
     }
     Scene scene;  // faces may stand before the vertices: finish_scene checks the indices
     scene.vertices = SharedArray<Vec3>(std::move(vertices_));
@@ -329,10 +335,11 @@ class BodyReader {
     for (std::size_t i = 0; i < element.count; ++i) {
       cursor_.begin_record(element.name, i, element.count);
       for (std::size_t k = 0; k < axis_of.size(); ++k) {
-        if (axis_of[k] < 0)
+        if (axis_of[k] < 0) {
           skip_property(element.properties[k]);
-        else
+        } else {
           vertices_[i][axis_of[k]] = static_cast<float>(cursor_.real(element.properties[k].type));
+        }
       }
     }
   }
@@ -348,10 +355,11 @@ class BodyReader {
     for (std::size_t i = 0; i < element.count; ++i) {
       cursor_.begin_record(element.name, i, element.count);
       for (const Property& p : element.properties) {
-        if (&p == &*corners)
+        if (&p == &*corners) {
           read_face(p, i);
-        else
+        } else {
           skip_property(p);
+        }
       }
     }
   }
@@ -370,8 +378,9 @@ class BodyReader {
 
   std::uint32_t corner(const Property& p, std::size_t face) {
     const std::int64_t index = cursor_.integer(p.type);
-    if (index < 0 || index > 0xffffffffLL)
+    if (index < 0 || index > 0xffffffffLL) {
       cursor_.fail(fmt::format("face {} refers to vertex {}", face, index), "an index from 0 on");
+    }
     return static_cast<std::uint32_t>(index);
   }
 

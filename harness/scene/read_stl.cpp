@@ -55,8 +55,9 @@ Scene read_ascii(const SourceFile& source) {
       Vec3 v;
       for (int axis = 0; axis < 3; ++axis) {
         const std::string_view number = cursor.next_word();
-        if (!TextCursor::parse(number, v[axis]))
+        if (!TextCursor::parse(number, v[axis])) {
           cursor.fail(fmt::format("'{}' stands where a coordinate should", shown(number)), "a number");
+        }
       }
       corners.push_back(v);
     }
@@ -78,8 +79,9 @@ Scene read_stl(const SourceFile& source) {
   const bool begins_ascii = as_text(source.bytes).starts_with("solid");
   if (fits && (!begins_ascii || size == header_bytes + facet_bytes * count)) return read_binary(source, count);
   if (begins_ascii) return read_ascii(source);
-  if (size < header_bytes)
+  if (size < header_bytes) {
     fail_at(source.name, fmt::format("the file has {} bytes", size), "an STL file: 'solid' or a binary header of 84 bytes");
+  }
   fail_at(source.name, fmt::format("the file ends at facet {} of {}", (size - header_bytes) / facet_bytes, count),
           "a complete file");
 }
