@@ -108,6 +108,7 @@ class TableBuilder {
     const auto found =
         std::find_if(plan_.pipelines.begin(), plan_.pipelines.end(), [&](const PipelineSpec& p) { return p.label == method; });
     if (found == plan_.pipelines.end()) return true;
+    if (tracer == own_tracer) return found->tracers.size() == 1;
     return std::find(found->tracers.begin(), found->tracers.end(), tracer) != found->tracers.end();
   }
 

@@ -144,7 +144,7 @@ TEST_F(TableTest, AMetricThatAMethodDoesNotHave) {
   result("sibenik-ogre", "sah").values.erase("cost");
   const ReportTable table = build();
   EXPECT_EQ(cell(table, 0, 0).absence, "none");
-  EXPECT_EQ(cell(table, 0, 0).reason, "sibenik-ogre, sah: this method has no 'cost'");
+  EXPECT_EQ(cell(table, 0, 0).reason, "this method has no 'cost'");
 }
 
 TEST_F(TableTest, MethodsOfARowArePeers) {
@@ -153,6 +153,33 @@ TEST_F(TableTest, MethodsOfARowArePeers) {
   const ReportTable table = build();
   EXPECT_EQ(cell(table, 0, 1).verdict, Verdict::differs)
       << "both columns are published with the same number, so there is no order";
+}
+
+TEST_F(TableTest, EachMethodOfARowMayBeTracedByItsOwnTracer) {
+  TableSpec& table = plan.tables.front();
+  table.rows = "method";
+  table.columns.resize(1);
+  ColumnSpec& column = table.columns.front();
+  column.metric = "trace_rate";
+  column.method.clear();
+  column.published.clear();
+  column.tracer = own_tracer;
+  column.unit = "rays/s";
+  column.workload = "primary";
+  plan.pipelines[0].tracers = {"scalar"};
+  plan.pipelines[1].tracers = {"scalar", "embree"};  // not one of its own
+  for (const auto& [method, tracer, rate] :
+       {std::tuple{"sah", "scalar", 2e6}, {"insertion", "scalar", 3e6}, {"insertion", "embree", 4e6}}) {
+    CellResult traced = test_result("sibenik-ogre", method, 0, {});
+    traced.tracer = tracer;
+    traced.workload = "primary";
+    traced.values["trace_rate"] = {ValueClass::absolute, "rays/s", {rate, rate, rate}};
+    results.push_back(traced);
+  }
+  const ReportTable built = build();
+  ASSERT_TRUE(cell(built, 0, 0).ours);
+  EXPECT_NEAR(cell(built, 0, 0).ours->value, 2e6, 1e-3);
+  EXPECT_FALSE(cell(built, 1, 0).ours);
 }
 
 TEST_F(TableTest, ATracedValueIsFoundByTracerAndWorkload) {

@@ -40,7 +40,7 @@ void explain(Found& found, const CellResult& cell, const ValuePlace& place) {
   }
 }
 
-/// Where `method` has no result for the tracer asked for, the one tracer it has been traced with.
+/// The one tracer that `method` has been traced with: where its own is asked for, or a baseline lacks the one asked for.
 const CellResult* with_its_only_tracer(const ResultSet& results, const ValuePlace& place) {
   const CellResult* only = nullptr;
   for (const CellResult& cell : results.all()) {
@@ -54,8 +54,8 @@ const CellResult* with_its_only_tracer(const ResultSet& results, const ValuePlac
 
 Found find_samples(const std::string& metric, const ValuePlace& place, const ResultSet& results, bool is_baseline) {
   Found found;
-  found.cell = results.find(place.scene, place.method, place.tracer, place.workload);
-  if (found.cell == nullptr && is_baseline && !place.workload.empty()) found.cell = with_its_only_tracer(results, place);
+  if (place.tracer != own_tracer) found.cell = results.find(place.scene, place.method, place.tracer, place.workload);
+  if (found.cell == nullptr && (is_baseline || place.tracer == own_tracer) && !place.workload.empty()) found.cell = with_its_only_tracer(results, place);
   if (found.cell == nullptr) {
     // A build that failed takes its traced cells with it.
     const CellResult* build = place.workload.empty() ? nullptr : results.find(place.scene, place.method);
@@ -73,7 +73,7 @@ Found find_samples(const std::string& metric, const ValuePlace& place, const Res
   const auto value = found.cell->values.find(metric);
   if (value == found.cell->values.end() || value->second.samples.empty()) {
     found.absence = "none";
-    found.reason = fmt::format("{}: this method has no '{}'", described(place), metric);
+    found.reason = fmt::format("this method has no '{}'", metric);  // without the place: one note serves all such rows
     return found;
   }
   found.measurement = &value->second;

@@ -66,6 +66,9 @@ struct Cell {
   std::optional<std::size_t> workload;  ///< index into Plan::workloads
 };
 
+/// In place of a tracer's label in a table whose rows are methods: each method's own tracer, where it has just one.
+inline constexpr const char* own_tracer = "own";
+
 /// A column of a table: a quantity (quantity.h) of one method, with tracer and workload for a traced one, or a formula over
 /// other columns of the table.
 struct ColumnSpec {
@@ -74,7 +77,7 @@ struct ColumnSpec {
   std::string metric;    ///< a Quantity's name, e.g. cost, total_time, trace_rate; empty for a formula
   std::string formula;   ///< e.g. "100 * cost_insertion / cost_sah", over columns before this one (formula.h); empty for a metric
   std::string method;    ///< PipelineSpec::label; empty where the rows are methods
-  std::string tracer;    ///< TracerSpec::label, of a traced metric; else empty
+  std::string tracer;    ///< TracerSpec::label or own_tracer, of a traced metric; else empty
   std::string workload;  ///< WorkloadSpec::label, of a traced metric; else empty
   std::string relative_to;  ///< a PipelineSpec::label whose value of the same metric divides this one
   std::string unit;  ///< shown unit, the metric's own where YAML names none; empty for a pure number. "%" multiplies by 100

@@ -37,6 +37,12 @@ std::string errors(const std::string& rest) {
 /// A table on line 9 whose column `c` begins at letter 28.
 std::string column(const std::string& text) { return errors("tables: {t: {columns: {c: " + text + "}}}\n"); }
 
+TEST(ReadTables, AMethodsOwnTracerWhereRowsAreMethods) {
+  const Plan plan = read("tables: {t: {rows: method, columns: {c: {metric: trace_rate, tracer: own, workload: few}}}}\n");
+  EXPECT_EQ(plan.tables[0].columns[0].tracer, own_tracer);
+  EXPECT_THAT(column("{metric: trace_rate, method: tree, tracer: own, workload: few}"), testing::HasSubstr("tracer 'own'"));
+}
+
 TEST(ReadTables, ColumnsCompletedFromTableAndPlan) {
   const Plan plan = read(R"(
 tables:
