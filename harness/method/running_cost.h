@@ -39,4 +39,18 @@ class RunningCost {
   double leaf_sum_;
 };
 
+/// What an optimizer of whole trees begins and ends with: `edit(PairTree&, measure, start)` changes a copy of `bvh` and returns
+/// whether it takes its place. A tree of fewer than three leaves has one form only and stays.
+template <class Edit>
+void edit_as_pairs(Bvh2& bvh, const BuildContext& context, const Edit& edit) {
+  const auto start = RunningCost::Clock::now();
+  if (bvh.leaf_count() < 3) {
+    if (context.cost_trace != nullptr) context.cost_trace->push_back({0, tree_cost(bvh, context.cost)});
+    return;
+  }
+  PairTree tree(bvh);
+  const bool take = visit_measure(*context.cost.measure, [&](const auto& measure) -> bool { return edit(tree, measure, start); });
+  if (take) tree.write_to(bvh);
+}
+
 }  // namespace raystudy

@@ -39,14 +39,8 @@ class Insertion final : public Optimizer {
   }
 
   void optimize(Bvh2& bvh, const Scene& /*scene*/, const BuildContext& context) const override {
-    const auto start = RunningCost::Clock::now();
-    if (bvh.leaf_count() < 3) {  // there is one tree only
-      if (context.cost_trace != nullptr) context.cost_trace->push_back({0, tree_cost(bvh, context.cost)});
-      return;
-    }
-    PairTree tree(bvh);
-    visit_measure(*context.cost.measure, [&](const auto& measure) {
-      if (Optimization(tree, measure, options_, context, start).run()) tree.write_to(bvh);
+    edit_as_pairs(bvh, context, [&](PairTree& tree, const auto& measure, auto start) {
+      return Optimization(tree, measure, options_, context, start).run();
     });
   }
 

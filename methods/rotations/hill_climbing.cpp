@@ -22,20 +22,14 @@ class HillClimbing final : public Optimizer {
   explicit HillClimbing(const Params& p) : max_passes_(p.integer("max_passes")), max_seconds_(p.real("max_seconds")) {}
 
   void optimize(Bvh2& bvh, const Scene& /*scene*/, const BuildContext& context) const override {
-    const auto start = RunningCost::Clock::now();
-    if (bvh.leaf_count() < 3) {  // there is one tree only
-      if (context.cost_trace != nullptr) context.cost_trace->push_back({0, tree_cost(bvh, context.cost)});
-      return;
-    }
-    PairTree tree(bvh);
-    visit_measure(*context.cost.measure, [&](const auto& measure) {
+    edit_as_pairs(bvh, context, [&](PairTree& tree, const auto& measure, auto start) {
       Rotator rotator(tree, measure);
       const RunningCost running(tree, context, start);
       const double first = running.of(rotator.inner_sum());
       running.record(first);
       if (std::isfinite(first)) climb_all(tree, rotator, running, max_seconds_, max_passes_);
+      return true;
     });
-    tree.write_to(bvh);
   }
 
  private:
