@@ -10,7 +10,9 @@
 
 #if RAYSTUDY_PLAIN_THREADS
 #include <atomic>
+#include <exception>
 #include <list>
+#include <mutex>
 #include <thread>
 #else
 #include <tbb/blocked_range.h>
@@ -28,35 +30,29 @@ namespace raystudy {
 
 #if RAYSTUDY_PLAIN_THREADS
 
-/// Tasks that may run at the same time as the caller. `wait` returns when all have ended; the destructor demands it was called.
 class TaskGroup {
  public:
+  TaskGroup() = default;
+  TaskGroup(const TaskGroup&) = delete;
+  TaskGroup& operator=(const TaskGroup&) = delete;
+  ~TaskGroup() { join(); }
   template <class F>
   void run(F f) {
     if (live().fetch_add(1) >= most_threads) {
       live().fetch_sub(1);
-      f();
+      guarded(f);
       return;
     }
-    std::thread thread([f = std::move(f)]() mutable {
-      f();
+    std::thread thread([this, f = std::move(f)]() mutable {
+      guarded(f);
       live().fetch_sub(1);
     });
-    while (lock_.test_and_set(std::memory_order_acquire)) {
-    }
+    const std::lock_guard lock(mutex_);
     threads_.push_back(std::move(thread));
-    lock_.clear(std::memory_order_release);
   }
   void wait() {
-    for (;;) {
-      std::list<std::thread> threads;
-      while (lock_.test_and_set(std::memory_order_acquire)) {
-      }
-      threads.swap(threads_);
-      lock_.clear(std::memory_order_release);
-      if (threads.empty()) return;
-      for (std::thread& thread : threads) thread.join();
-    }
+    join();
+    if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
   }
 
  private:
@@ -65,8 +61,29 @@ class TaskGroup {
     static std::atomic<int> count{0};
     return count;
   }
-  std::atomic_flag lock_;
+  template <class F>
+  void guarded(F& f) {
+    try {
+      f();
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      if (!error_) error_ = std::current_exception();
+    }
+  }
+  void join() {
+    for (;;) {
+      std::list<std::thread> threads;
+      {
+        const std::lock_guard lock(mutex_);
+        threads.swap(threads_);
+      }
+      if (threads.empty()) return;
+      for (std::thread& thread : threads) thread.join();
+    }
+  }
+  std::mutex mutex_;
   std::list<std::thread> threads_;
+  std::exception_ptr error_;
 };
 
 template <class F>
@@ -114,6 +131,14 @@ void parallel_for_blocks(std::size_t count, std::size_t grain, const F& f) {
 }
 
 #endif
+
+/// Calls f(i) for each i in [0, count): for many, small pieces of work.
+template <class F>
+void parallel_for_indices(std::size_t count, const F& f) {
+  parallel_for_blocks(count, 1, [&f](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) f(i);
+  });
+}
 
 /// Calls f(i) for each i in [0, count), each call a task of its own: for few, large pieces of work.
 template <class F>

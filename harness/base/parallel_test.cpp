@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <numeric>
+#include <stdexcept>
 #include <vector>
 
 namespace raystudy {
@@ -45,6 +46,20 @@ TEST(Parallel, TasksMayGiveTasksToTheirGroup) {
     tasks.wait();
   });
   EXPECT_EQ(sum, 5000L * 4999 / 2);
+}
+
+TEST(Parallel, IndicesAreCalledOnceEach) {
+  std::vector<int> visits(10'007);
+  with_threads(3, [&] { parallel_for_indices(visits.size(), [&](std::size_t i) { ++visits[i]; }); });
+  EXPECT_EQ(visits, std::vector<int>(10'007, 1));
+}
+
+TEST(Parallel, WhatATaskThrowsReachesTheCaller) {
+  const auto fail = [](std::size_t i) {
+    if (i == 30) throw std::runtime_error("task 30");
+  };
+  EXPECT_THROW(parallel_for_each(37, fail), std::runtime_error);
+  EXPECT_THROW(parallel_for_indices(37, fail), std::runtime_error);
 }
 
 }  // namespace

@@ -1,11 +1,10 @@
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <vector>
 
+#include "harness/base/parallel.h"
 #include "harness/geometry/sampling.h"
 #include "harness/report/picture.h"
 
@@ -60,7 +59,7 @@ class Shader {
  private:
   template <class F>
   static void each(std::size_t n, F&& f) {
-    tbb::parallel_for(std::size_t{0}, n, f);
+    parallel_for_indices(n, f);
   }
 
   std::vector<Path> step(const std::vector<Path>& paths, int bounce) {

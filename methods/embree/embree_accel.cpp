@@ -1,12 +1,13 @@
 #include "methods/embree/embree_accel.h"
 
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
+#include <tbb/global_control.h>
 
 #include <cstring>
 #include <utility>
 
 #include "harness/base/error.h"
+#include "harness/base/parallel.h"
 
 namespace raystudy::embree {
 namespace {
@@ -42,10 +43,9 @@ bool can_share(const SharedArray<Vec3>& vertices) {
 }  // namespace
 
 Device::Device(int threads) : threads_(threads), handle_(new_device("")) {
-  // With TBB the scene is built in an arena of ours: the device's own `threads` option would limit TBB in the whole process.
-  // Without TBB the option is the only way.
-  if (rtcGetDeviceProperty(handle(), RTC_DEVICE_PROPERTY_TASKING_SYSTEM) != tasking_by_tbb) {
-    joins_ = false;
+  // The device's own `threads` option would limit TBB in the whole process for good. Without TBB it is the only way.
+  by_tbb_ = rtcGetDeviceProperty(handle(), RTC_DEVICE_PROPERTY_TASKING_SYSTEM) == tasking_by_tbb;
+  if (!by_tbb_) {
     handle_.reset();
     handle_.reset(new_device(fmt::format("threads={}", threads).c_str()));
   }
@@ -54,12 +54,15 @@ Device::Device(int threads) : threads_(threads), handle_(new_device("")) {
 }
 
 void Device::commit(RTCScene scene) const {
-  if (!joins_) {
+  if (!by_tbb_) {
     rtcCommitScene(scene);
     return;
   }
-  tbb::task_arena arena(threads_);
-  arena.execute([scene] { rtcJoinCommitScene(scene); });
+  // Embree builds in an arena of its own, as wide as the machine, whatever arena calls it: only a limit on TBB itself holds.
+  // The thread sanitizer sees neither Embree's code nor TBB's hand-over of its tasks: under it Embree builds on one thread.
+  const int threads = RAYSTUDY_PLAIN_THREADS == 1 ? 1 : threads_;
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  rtcCommitScene(scene);
 }
 
 void Device::on_error(void* self, RTCError code, const char* text) {

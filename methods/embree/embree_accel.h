@@ -45,7 +45,7 @@ class Device {
   static bool on_memory(void* self, ssize_t bytes, bool post);
 
   int threads_;
-  bool joins_ = true;
+  bool by_tbb_ = true;
   std::mutex mutex_;
   std::string error_;
   std::atomic<std::int64_t> bytes_ = 0;

@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 #include <immintrin.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 
 #include "harness/method/registry.h"
+#include "harness/scene/procedural.h"
 
 namespace raystudy {
 namespace {
@@ -91,6 +93,23 @@ TEST(Embree, KeepsTheSceneArraysAlive) {
     accel = build(scene, {});
   }
   EXPECT_TRUE(trace(*accel, Scene{}, "1", Query::closest_hit)[40].is_hit());
+}
+
+double processor_seconds(int who) {
+  rusage usage{};
+  getrusage(who, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+TEST(Embree, BuildsOnOneThreadWhereToldSo) {
+  const Scene scene = make_procedural("soup", 100'000, 1);
+  const double before = processor_seconds(RUSAGE_SELF);
+  const double before_here = processor_seconds(RUSAGE_THREAD);
+  (void)build(scene, {});
+  const double all = processor_seconds(RUSAGE_SELF) - before;
+  const double here = processor_seconds(RUSAGE_THREAD) - before_here;
+  EXPECT_GT(here, 0.75 * all) << "other threads built too";  // half of it, where two threads build
 }
 
 TEST(Embree, DenormalsAreFlushedOnlyWhileTracing) {

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <tbb/parallel_for.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "harness/base/parallel.h"
 #include "harness/geometry/vec3.h"
 #include "harness/scene/scene.h"
 
@@ -62,7 +61,7 @@ class Mesh {
   /// Gives every triangle so far the material pick(index, a, b, c).
   template <class F>
   void classify(F&& pick) {
-    tbb::parallel_for(std::size_t{0}, triangles_.size(), [&](std::size_t t) {
+    parallel_for_indices(triangles_.size(), [&](std::size_t t) {
       const Triangle& corners = triangles_[t];
       materials_[t] = pick(t, vertices_[corners[0]], vertices_[corners[1]], vertices_[corners[2]]);
     });
@@ -104,7 +103,7 @@ void for_rows(int n, std::size_t row_length, F&& row) {
   if (static_cast<std::size_t>(n) * row_length < 20'000) {
     for (int i = 0; i < n; ++i) row(i);
   } else {
-    tbb::parallel_for(0, n, row);
+    parallel_for_indices(static_cast<std::size_t>(n), [&](std::size_t i) { row(static_cast<int>(i)); });
   }
 }
 

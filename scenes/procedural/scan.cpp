@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "harness/base/parallel.h"
 #include "harness/scene/procedural.h"
 #include "scenes/procedural/mesh.h"
 #include "scenes/procedural/noise.h"
@@ -238,7 +239,7 @@ void make_scan(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
   const Bust bust(seed, spacing);
   vertices[0] = bust.at(0, outline.front(), {0, -1});
   vertices[top] = bust.at(0, outline.back(), {0, 1});
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+  parallel_for_indices(count, [&](std::size_t i) {
     const std::uint32_t n = rings.sizes[i];
     for (std::uint32_t k = 0; k < n; ++k) {
       // The rings start behind the head, where nobody looks.
@@ -248,7 +249,7 @@ void make_scan(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
   });
   const auto index = [&](std::size_t i) { return static_cast<std::uint32_t>(first[i]); };
   for (std::uint32_t k = 0; k < rings.sizes[0]; ++k) corners[k] = {{0, index(0) + (k + 1) % rings.sizes[0], index(0) + k}};
-  tbb::parallel_for(std::size_t{0}, count - 1, [&](std::size_t i) {
+  parallel_for_indices(count - 1, [&](std::size_t i) {
     // Strips 0 to i - 1 hold the vertices of rings 0 to i - 1 and of rings 1 to i; before them comes the fan over ring 0.
     const std::size_t before = (first[i] - 1) + (first[i + 1] - 1);
     join(index(i), rings.sizes[i], index(i + 1), rings.sizes[i + 1], i % 2 == 1, &corners[before]);

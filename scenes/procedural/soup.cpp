@@ -1,8 +1,7 @@
-#include <tbb/parallel_for.h>
-
 #include <cstddef>
 #include <vector>
 
+#include "harness/base/parallel.h"
 #include "harness/scene/procedural.h"
 #include "scenes/procedural/numeric.h"
 #include "scenes/procedural/random.h"
@@ -30,7 +29,7 @@ void make_soup(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
   std::vector<Vec3> vertices(3 * count);
   std::vector<Triangle> indices(count);
   std::vector<std::uint32_t> materials(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t t) {
+  parallel_for_indices(count, [&](std::size_t t) {
     Random random(seed, t);
     const Vec3 center{random.uniform(), random.uniform(), random.uniform()};
     const float arm = size * (0.15F + 0.85F * squared(squared(random.uniform())));
