@@ -27,8 +27,9 @@ class TreeBuilder final : public YAML::EventHandler {
   TreeBuilder(std::string_view text, const std::string& file, std::vector<Diagnostic>& problems)
       : text_(text), file_(file), problems_(problems) {
     line_starts_.push_back(0);
-    for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n', end + 1))
+    for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n', end + 1)) {
       line_starts_.push_back(end + 1);
+    }
   }
 
   [[nodiscard]] std::shared_ptr<const YamlNode> root() const { return root_ ? root_ : std::make_shared<YamlNode>(); }
@@ -194,7 +195,7 @@ std::shared_ptr<const YamlNode> parse_yaml(const std::string& text, const std::s
     std::istream stream(&buffer);
     YAML::Parser parser(stream);
     if (!parser.HandleNextDocument(builder)) return builder.root();
-    const std::shared_ptr<const YamlNode> first = builder.root();
+    std::shared_ptr<const YamlNode> first = builder.root();
     if (parser.HandleNextDocument(builder)) {
       problems.push_back({builder.root()->where, "a second document begins", "one document a file", {}});
     }

@@ -1,5 +1,6 @@
 #include "harness/base/yaml.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -85,8 +86,7 @@ TEST(Yaml, AliasesShareTheNodeOfTheirAnchor) {
 TEST(Yaml, AnAliasThatMultipliesItselfTakesNoMemory) {
   std::string text = "a0: &a0 [x, x]\n";
   for (int i = 1; i < 60; ++i) {
-    const std::string before = "*a" + std::to_string(i - 1);
-    text += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before + ", " + before + "]\n";
+    text += fmt::format("a{0}: &a{0} [*a{1}, *a{1}]\n", i, i - 1);
   }
   EXPECT_EQ(parse(text).root->entries.size(), 60U);
 }

@@ -48,8 +48,9 @@ void list_experiments(const std::filesystem::path& folder) {
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     if (entry.path().extension() == ".yaml") files.push_back(entry.path().string());
   }
-  if (error)
+  if (error) {
     throw Error(Diagnostic{{folder.string(), 0, 0}, "cannot be listed: " + error.message(), "a folder of experiments", {}});
+  }
   std::sort(files.begin(), files.end());
   for (const std::string& file : files) {
     std::vector<Diagnostic> problems;
@@ -83,8 +84,9 @@ void list_quantities() {
 void list_figures() {
   for (const FigureKind& kind : figure_kinds()) {
     print_line(kind.name, kind.summary);
-    for (const ParamSpec& option : kind.options)
+    for (const ParamSpec& option : kind.options) {
       print_line("", fmt::format("{}: {}; {}", option.name, option.summary, expected_text(option)));
+    }
   }
 }
 

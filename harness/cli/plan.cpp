@@ -56,8 +56,9 @@ void print_matrix(const Plan& plan) {
     }
   }
   if (!plan.tracers.empty()) fmt::print("tracers\n");
-  for (const TracerSpec& tracer : plan.tracers)
+  for (const TracerSpec& tracer : plan.tracers) {
     fmt::print("  {:<{}}  {}\n", tracer.label, widest(plan.tracers), canonical(tracer.tracer));
+  }
   if (!plan.workloads.empty()) fmt::print("workloads\n");
   for (const WorkloadSpec& workload : plan.workloads) {
     fmt::print("  {:<{}}  {}, at most {} rays\n", workload.label, widest(plan.workloads), canonical(workload.workload),

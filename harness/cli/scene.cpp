@@ -43,11 +43,13 @@ std::string count_text(const CatalogEntry& entry) {
 }
 
 int list() {
-  for (const ProceduralInfo& info : procedural_scenes())
+  for (const ProceduralInfo& info : procedural_scenes()) {
     fmt::print("{:<24} {:>9}  built in: {}\n", info.name, "any", info.summary);
+  }
   const Catalog catalog = read_catalog(catalog_path());
-  for (const CatalogEntry& entry : catalog.entries)
+  for (const CatalogEntry& entry : catalog.entries) {
     fmt::print("{:<24} {:>9}  {}\n", entry.name, count_text(entry), state_of(entry));
+  }
   return exit_ok;
 }
 
@@ -87,8 +89,9 @@ int get(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const auto fetched = get_scene(catalog_entry(catalog, name));
     if (fetched.empty()) fmt::print("{}: already installed\n", name);
-    for (const auto& path : fetched)
+    for (const auto& path : fetched) {
       fmt::print("{}: installed {} ({} bytes)\n", name, path.string(), std::filesystem::file_size(path));
+    }
     const Scene scene = open_scene(name);
     fmt::print("{}: {} triangles, as expected\n", name, scene.triangles.size());
   }
@@ -104,9 +107,10 @@ void check_scene(const CatalogEntry& entry) {
     if (!path || file.sha256.empty()) continue;
     const auto disk = file_on_disk(*path);
     const std::string found = sha256_hex(as_text(map_file(disk)));
-    if (found != file.sha256)
+    if (found != file.sha256) {
       fail_at(disk.string(), fmt::format("the SHA-256 is {}", found),
               fmt::format("{}, as {} says", file.sha256, file.where.text()));
+    }
   }
   (void)open_scene(entry.name);
 }

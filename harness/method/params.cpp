@@ -25,10 +25,8 @@ std::string value_text(const ParamValue& value) {
           return v ? "true" : "false";
         } else if constexpr (std::is_same_v<T, MethodRef>) {
           return canonical(v);
-        } else if constexpr (std::is_same_v<T, double>) {
-          return fmt::format("{}", v);  // shortest text that reads back as the same double
         } else {
-          return fmt::format("{}", v);
+          return fmt::format("{}", v);  // of a double: the shortest text that reads back as the same double
         }
       },
       value);

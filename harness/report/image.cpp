@@ -14,7 +14,7 @@ namespace raystudy {
 namespace {
 
 std::string extension_of(const std::filesystem::path& file) {
-  const std::string extension = file.extension().string();
+  std::string extension = file.extension().string();
   if (extension != ".png" && extension != ".exr") {
     throw Error(Diagnostic{{}, fmt::format("cannot write '{}' as an image", file.string()), "a name ending in .png or .exr", {}});
   }
@@ -30,8 +30,9 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
 const ImageCodec& image_codec() {
   static const ImageCodec& codec = [&]() -> const ImageCodec& {
     Dl_info here{};
-    if (dladdr(reinterpret_cast<const void*>(&filled_image), &here) == 0)
+    if (dladdr(reinterpret_cast<const void*>(&filled_image), &here) == 0) {
       throw std::logic_error("dladdr does not know this library");
+    }
     const std::filesystem::path file = std::filesystem::path(here.dli_fname).parent_path() / image_codec_library;
     void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     void* entry = library == nullptr ? nullptr : dlsym(library, image_codec_entry);
@@ -40,7 +41,7 @@ const ImageCodec& image_codec() {
       throw Error(
           fmt::format("cannot load the image codec '{}': {}", file.string(), reason != nullptr ? reason : "unknown reason"));
     }
-    return reinterpret_cast<ImageCodecEntry*>(entry)();
+    return *reinterpret_cast<ImageCodecEntry*>(entry)();
   }();
   return codec;
 }

@@ -52,8 +52,9 @@ class Grid {
   }
   void write_rule(std::ostream& out) const {
     out << '|';
-    for (std::size_t i = 0; i < widths_.size(); ++i)
+    for (std::size_t i = 0; i < widths_.size(); ++i) {
       out << (i < left_ ? ':' : '-') << std::string(widths_[i], '-') << (i < left_ ? "-|" : ":|");
+    }
     out << '\n';
   }
 

@@ -106,7 +106,7 @@ class Shader {
     return next;
   }
 
-  Surface surface(const Ray& ray, const Hit& hit) const {
+  [[nodiscard]] Surface surface(const Ray& ray, const Hit& hit) const {
     const Triangle& t = scene_.triangles[hit.triangle];
     const Vec3 a = scene_.vertices[t[0]];
     const Vec3 normal = cross(scene_.vertices[t[1]] - a, scene_.vertices[t[2]] - a);
@@ -254,9 +254,11 @@ Image render_shaded(const Scene& scene, const Camera& camera, TraceSession& sess
           path.id = pixel * per_pixel + static_cast<std::uint64_t>(k);
           const float jx = jitter.uniform(2 * path.id);
           const float jy = jitter.uniform(2 * path.id + 1);
-          const float px = (static_cast<float>(x) + (static_cast<float>(k % grid) + jx) / static_cast<float>(grid)) /
+          const int column = k % grid;
+          const int row = k / grid;
+          const float px = (static_cast<float>(x) + (static_cast<float>(column) + jx) / static_cast<float>(grid)) /
                            static_cast<float>(options.width);
-          const float py = (static_cast<float>(y) + (static_cast<float>(k / grid) + jy) / static_cast<float>(grid)) /
+          const float py = (static_cast<float>(y) + (static_cast<float>(row) + jy) / static_cast<float>(grid)) /
                            static_cast<float>(options.height);
           path.ray.origin = camera.eye;
           path.ray.direction = normalized(forward + right * ((2 * px - 1) * half_width) + up * ((1 - 2 * py) * half_height));

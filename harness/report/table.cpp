@@ -43,6 +43,7 @@ std::vector<RowPlace> rows_of(const TableSpec& table, const Plan& plan, const st
     }
   }
   std::vector<RowPlace> rows;
+  rows.reserve(labels.size());
   for (std::string& label : labels) {
     rows.push_back(table.rows == "scene" ? RowPlace{label, label, {}} : RowPlace{label, scene, label});
   }
@@ -200,8 +201,9 @@ class TableBuilder {
   void add_rows_without_scene() {
     if (published_ == nullptr) return;
     for (const PublishedScene& scene : published_->scenes) {
-      if (std::any_of(plan_.scenes.begin(), plan_.scenes.end(), [&](const SceneSpec& s) { return s.name == scene.ours; }))
+      if (std::any_of(plan_.scenes.begin(), plan_.scenes.end(), [&](const SceneSpec& s) { return s.name == scene.ours; })) {
         continue;
+      }
       ReportRow row{scene.name, {}};
       bool any = false;
       for (const ReportColumn& column : table_.columns) {

@@ -44,8 +44,9 @@ void explain(Found& found, const CellResult& cell, const ValuePlace& place) {
 const CellResult* with_its_only_tracer(const ResultSet& results, const ValuePlace& place) {
   const CellResult* only = nullptr;
   for (const CellResult& cell : results.all()) {
-    if (cell.scene != place.scene || cell.method != place.method || cell.workload != place.workload || cell.tracer.empty())
+    if (cell.scene != place.scene || cell.method != place.method || cell.workload != place.workload || cell.tracer.empty()) {
       continue;
+    }
     if (only != nullptr) return nullptr;
     only = &cell;
   }
@@ -131,8 +132,9 @@ bool share_a_machine(FoundValue& value) {
       value = absent("none", fmt::format("times of different machines have no ratio: {}", difference));
       return false;
     }
-    if (provenance_of(first, "timing_group") != provenance_of(*other, "timing_group"))
+    if (provenance_of(first, "timing_group") != provenance_of(*other, "timing_group")) {
       value.reason = "measured in different runs, not interleaved";
+    }
   }
   return true;
 }

@@ -14,8 +14,6 @@
 #include "harness/base/error.h"
 #include "harness/scene/catalog.h"
 
-extern char** environ;
-
 namespace raystudy {
 namespace {
 
@@ -39,6 +37,7 @@ bool is_on_path(const std::string& program) {
 /// Runs a program to its end and throws Error with what it wrote to standard error where it failed.
 void run_program(const std::vector<std::string>& words) {
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
   std::array<int, 2> ends{};

@@ -20,7 +20,7 @@ Order compare(double published, const Estimate& ours, const Peer& peer) {
   return (above ? ours.value > peer.ours.value : ours.value < peer.ours.value) ? Order::unsettled : Order::turned;
 }
 
-std::string joined(std::string first, const std::string& second) {
+std::string joined(const std::string& first, const std::string& second) {
   if (first.empty() || second.empty()) return first + second;
   return first + "; " + second;
 }

@@ -21,7 +21,7 @@ TimedWork work(const std::string& name, double seconds, std::string& order,
     return Lap{seconds, {seconds / 4, 3 * seconds / 4}};
   };
   w.finished = [name, &samples](std::vector<TimedSample> s) { samples[name] = std::move(s); };
-  w.failed = [](std::exception_ptr) { FAIL() << "must not fail"; };
+  w.failed = [](const std::exception_ptr&) { FAIL() << "must not fail"; };
   return w;
 }
 
@@ -74,8 +74,8 @@ TEST(Timing, OneFailureLeavesTheOthersAlone) {
     if (++runs == 2) throw std::runtime_error("broken");
     return {1, {}};
   };
-  bad.finished = [](std::vector<TimedSample>) { FAIL() << "must not finish"; };
-  bad.failed = [&message](std::exception_ptr error) {
+  bad.finished = [](const std::vector<TimedSample>&) { FAIL() << "must not finish"; };
+  bad.failed = [&message](const std::exception_ptr& error) {
     try {
       std::rethrow_exception(error);
     } catch (const std::runtime_error& e) {

@@ -50,7 +50,7 @@ class OpenImageIoCodec final : public ImageCodec {
     if (good && png) {
       std::vector<unsigned char> values(image.pixels.size());
       std::transform(image.pixels.begin(), image.pixels.end(), values.begin(),
-                     [](float x) { return static_cast<unsigned char>(255 * srgb(x) + 0.5F); });
+                     [](float x) { return static_cast<unsigned char>(std::lround(255 * srgb(x))); });
       good = out->write_image(OIIO::TypeDesc::UINT8, values.data());
     } else if (good) {
       good = out->write_image(OIIO::TypeDesc::FLOAT, image.pixels.data());
@@ -82,7 +82,7 @@ class OpenImageIoCodec final : public ImageCodec {
 }  // namespace
 }  // namespace raystudy
 
-extern "C" const raystudy::ImageCodec& raystudy_image_codec() {
+extern "C" const raystudy::ImageCodec* raystudy_image_codec() {
   static const raystudy::OpenImageIoCodec codec;
-  return codec;
+  return &codec;
 }

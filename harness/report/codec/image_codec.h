@@ -23,6 +23,6 @@ class ImageCodec {
 
 inline constexpr const char* image_codec_library = "libraystudy_image_codec.so";
 inline constexpr const char* image_codec_entry = "raystudy_image_codec";
-using ImageCodecEntry = const ImageCodec&();
+using ImageCodecEntry = const ImageCodec*();
 
 }  // namespace raystudy
