@@ -17,9 +17,11 @@ using testing::Each;
 using testing::ElementsAre;
 
 class Files : public testing::Test {
- protected:
+ public:
   Files() { std::filesystem::create_directories(folder_); }
   ~Files() override { std::filesystem::remove_all(folder_); }
+
+ protected:
   [[nodiscard]] std::filesystem::path file(const std::string& name) const { return folder_ / name; }
 
  private:

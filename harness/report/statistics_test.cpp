@@ -47,6 +47,7 @@ TEST(Bootstrap, OfSevenLeavesTheExtremesOut) {
 
 TEST(Bootstrap, DependsOnItsSeedAlone) {
   std::vector<double> samples;
+  samples.reserve(20);
   for (int i = 0; i < 20; ++i) samples.push_back((i * 37) % 101);
   EXPECT_EQ(Bootstrapped::median(samples, 7).replicates, Bootstrapped::median(samples, 7).replicates);
   EXPECT_NE(Bootstrapped::median(samples, 7).replicates, Bootstrapped::median(samples, 8).replicates);

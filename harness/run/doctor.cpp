@@ -20,8 +20,9 @@ namespace {
 
 /// A setting of the machine, its good value, and how it is changed.
 Finding setting(const std::string& subject, const std::string& found, const std::string& good, const std::string& advice) {
-  if (found.empty())
+  if (found.empty()) {
     return {"machine", Health::warn, subject, "not told by the system", "absolute times cannot be trusted to be steady"};
+  }
   return {"machine", found == good ? Health::ok : Health::warn, subject, found, found == good ? "" : advice};
 }
 

@@ -121,8 +121,9 @@ Machine read_machine(const std::string& root) {
   m.kernel = first_line(root + "/proc/sys/kernel/osrelease");
   m.governor = first_line(root + "/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
   m.turbo = turbo_state(root);
-  if (const std::string smt = first_line(root + "/sys/devices/system/cpu/smt/active"); !smt.empty())
+  if (const std::string smt = first_line(root + "/sys/devices/system/cpu/smt/active"); !smt.empty()) {
     m.smt = smt == "1" ? "on" : "off";
+  }
   if (const std::string flags = field(cpuinfo, "flags"); !flags.empty()) {
     m.virtual_machine = (" " + flags + " ").find(" hypervisor ") != std::string::npos ? "yes" : "no";
   }

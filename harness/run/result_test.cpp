@@ -22,10 +22,11 @@ namespace fs = std::filesystem;
 constexpr const char* cure = "; expected a result as 'raystudy run' writes it (delete the file to have its cell measured again)";
 
 class ResultTest : public testing::Test {
- protected:
+ public:
   ResultTest() : folder(fs::path(testing::TempDir()) / fmt::format("result-{}", getpid())) { fs::create_directories(folder); }
   ~ResultTest() override { fs::remove_all(folder); }
 
+ protected:
   static CellResult sample() {
     CellResult r;
     r.id = "0123abcd";

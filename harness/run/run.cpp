@@ -145,8 +145,9 @@ void Run::handle(const Message& message, const Board& board, Pending& pending) {
 }
 
 double Run::seconds_left(const Board::Stage& stage) const {
-  if (plan_.timeout_seconds <= 0 || stage.scope == Scope::scene || stage.start == 0)
+  if (plan_.timeout_seconds <= 0 || stage.scope == Scope::scene || stage.start == 0) {
     return std::numeric_limits<double>::infinity();
+  }
   return plan_.timeout_seconds - stage.seconds_before - (Board::now_seconds() - stage.start);
 }
 

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 class RunTest : public testing::Test {
- protected:
+ public:
   RunTest() : folder(fs::path(testing::TempDir()) / fmt::format("run-{}", getpid())) {
     fs::create_directories(folder);
     options.results = folder;
@@ -39,7 +39,8 @@ class RunTest : public testing::Test {
     fs::remove_all(folder);
   }
 
-  CellResult result_of(const Plan& plan, std::size_t cell) const {
+ protected:
+  [[nodiscard]] CellResult result_of(const Plan& plan, std::size_t cell) const {
     return read_result(result_file(results_folder(plan, folder), cell_id(plan, plan.cells[cell])));
   }
   [[nodiscard]] std::string log() const {

@@ -207,8 +207,8 @@ Scene open_test_scene(const SceneSpec& spec) {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
   for (int i = 0; i <= test_triangles / 2; ++i) {
-    vertices.push_back({static_cast<float>(i), 0, 0});
-    vertices.push_back({static_cast<float>(i), 0, 1});
+    vertices.emplace_back(static_cast<float>(i), 0.0F, 0.0F);
+    vertices.emplace_back(static_cast<float>(i), 0.0F, 1.0F);
   }
   for (std::uint32_t i = 0; i < test_triangles; ++i) triangles.push_back({{i, i + 1, i + 2}});
   Scene scene;

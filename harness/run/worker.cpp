@@ -146,6 +146,7 @@ std::vector<std::unique_ptr<PipelineWork>> Worker::pipelines() const {
     }
   }
   std::vector<std::unique_ptr<PipelineWork>> list;
+  list.reserve(works.size());
   for (auto& [index, work] : works) list.push_back(std::move(work));
   return list;
 }

@@ -12,7 +12,7 @@ namespace {
 
 class OffReader {
  public:
-  explicit OffReader(const SourceFile& source) : source_(source), cursor_(source) {}
+  explicit OffReader(const SourceFile& source) : cursor_(source) {}
 
   Scene read() {
     check_header();
@@ -36,8 +36,9 @@ class OffReader {
   void check_header() {
     const std::string_view magic = word();
     if (!magic.ends_with("OFF")) cursor_.fail(fmt::format("the file begins with '{}'", shown(magic)), "OFF");
-    if (magic.find_first_of("4n") != std::string_view::npos)
+    if (magic.find_first_of("4n") != std::string_view::npos) {
       cursor_.fail(fmt::format("the variant '{}' is not three-dimensional", magic), "OFF");
+    }
   }
 
   /// The next word that is no comment; fails at the end.
@@ -54,8 +55,9 @@ class OffReader {
 
   std::size_t count(std::string_view w, std::string_view of) {
     std::size_t n = 0;
-    if (!TextCursor::parse(w, n))
+    if (!TextCursor::parse(w, n)) {
       cursor_.fail(fmt::format("'{}' stands where the number of {} should", shown(w), of), "a whole number");
+    }
     return n;
   }
 
@@ -64,8 +66,9 @@ class OffReader {
     for (int axis = 0; axis < 3; ++axis) {
       const std::string_view w = word();
       if (w.empty()) cursor_.fail(fmt::format("the file ends at vertex {} of {}", i, total), "a complete file");
-      if (!TextCursor::parse(w, v[axis]))
+      if (!TextCursor::parse(w, v[axis])) {
         cursor_.fail(fmt::format("'{}' stands where a coordinate should", shown(w)), "a number");
+      }
     }
     end_line();
     return v;
@@ -81,8 +84,9 @@ class OffReader {
       const std::string_view number = word();
       if (number.empty()) cursor_.fail(fmt::format("the file ends at face {} of {}", i, total), "a complete file");
       std::int64_t index = 0;
-      if (!TextCursor::parse(number, index))
+      if (!TextCursor::parse(number, index)) {
         cursor_.fail(fmt::format("'{}' stands where a vertex index should", shown(number)), "a whole number");
+      }
       if (index < 0 || static_cast<std::size_t>(index) >= vertex_count) {
         cursor_.fail(fmt::format("face {} refers to vertex {}", i, index),
                      fmt::format("0 to {}", static_cast<std::int64_t>(vertex_count) - 1));
@@ -95,7 +99,6 @@ class OffReader {
     end_line();  // colours
   }
 
-  const SourceFile& source_;
   TextCursor cursor_;
   std::vector<Triangle> triangles_;
 };

@@ -8,6 +8,8 @@
 namespace raystudy {
 namespace {
 
+using std::string_literals::operator""s;
+
 const std::string study = R"(
 title: "All of it"
 paper: insertion-bittner
@@ -46,7 +48,7 @@ TEST(Mutations, NeverEndInAnythingButAPlanOrAnError) {
   ASSERT_NO_THROW((void)parse_plan(study, "x.yaml", Scale::quick));
   std::mt19937 random(20240611);
   const auto below = [&random](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
-  const std::string spice = "{}[]:,-&*!|>'\"%@`#?\n \t\0\xff\xc3~.0eE9";
+  const std::string spice = "{}[]:,-&*!|>'\"%@`#?\n \t\0\xff\xc3~.0eE9"s;
   int plans = 0;
   int errors = 0;
   for (int round = 0; round < 1500; ++round) {
@@ -67,8 +69,9 @@ TEST(Mutations, NeverEndInAnythingButAPlanOrAnError) {
       ++plans;
     } catch (const Error& error) {
       ++errors;
-      for (const Diagnostic& problem : error.diagnostics())
+      for (const Diagnostic& problem : error.diagnostics()) {
         EXPECT_EQ(problem.where.file, "x.yaml") << problem.text() << "\n" << text;
+      }
     }
   }
   EXPECT_GT(plans, 0);

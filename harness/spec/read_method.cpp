@@ -84,6 +84,7 @@ std::vector<MethodChoice> read_params(Reading& reading, const YamlNode* params, 
       const auto spec = std::find_if(specs.begin(), specs.end(), [&](const ParamSpec& s) { return s.name == written.key; });
       if (spec == specs.end()) {
         std::vector<std::string> known;
+        known.reserve(specs.size());
         for (const ParamSpec& s : specs) known.push_back(s.name);
         reading.report_unknown(written.where, fmt::format("{} has no parameter '{}'", owner, written.key), written.key, known);
         good = false;
@@ -109,6 +110,7 @@ std::vector<MethodChoice> read_params(Reading& reading, const YamlNode* params, 
   }
   if (!good) return {};
   std::vector<MethodChoice> choices;
+  choices.reserve(points.size());
   for (auto& [values, sweep] : points) {
     choices.push_back({{entry.info.name, std::make_shared<const Params>(std::move(values))}, std::move(sweep), where});
   }

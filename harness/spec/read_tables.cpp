@@ -142,7 +142,7 @@ class TableReader {
       if (by_method_) reading_.report(method->where, "'method' stands in a table whose rows are methods", "a column without it");
       column.method = lookup_.one_of(plan_.pipelines, *method, "method").value_or("?");
     }
-    if (const YamlNode* base = fields.find("relative_to"))
+    if (const YamlNode* base = fields.find("relative_to")) {
       column.relative_to = lookup_.one_of(plan_.pipelines, *base, "method").value_or("?");
     if (const YamlNode* tracer = fields.find("tracer")) {
       const bool own = by_method_ && tracer->is_scalar() && tracer->text == own_tracer;
@@ -150,6 +150,7 @@ class TableReader {
     }
     if (const YamlNode* workload = fields.find("workload"))
       column.workload = lookup_.one_of(plan_.workloads, *workload, "workload").value_or("?");
+    }
   }
 
   /// Checks the quantity and fills in what the column leaves open and the table or the plan settles.

@@ -205,7 +205,7 @@ TEST(ReadFigures, Mistakes) {
             "x.yaml:9:38: figure 'f' has no key 'highest'; expected one of caption, kind, scenes, methods, styles");
   EXPECT_EQ(errors("figures: {f: {kind: depth-histogram, styles: red}}\n"),
             "x.yaml:9:46: 'styles' is the text 'red'; expected a map of method to style, such as 'sah: red dashed'");
-  for (const std::string style : {"red wavy", "'#12345'", "Red!", "''"}) {
+  for (const std::string& style : std::vector<std::string>{"red wavy", "'#12345'", "Red!", "''"}) {
     const std::size_t quoted = style.front() == '\'' ? 1 : 0;
     EXPECT_EQ(errors("figures: {f: {kind: depth-histogram, styles: {tree: " + style + "}}}\n"),
               "x.yaml:9:53: the style of 'tree' is the text '" + style.substr(quoted, style.size() - 2 * quoted) +

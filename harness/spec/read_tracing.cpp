@@ -63,8 +63,9 @@ bool fits(const Registry::Entry& metric, const Plan& plan) {
 void read_tracers(Reading& reading, const YamlNode& node, Plan& plan) {
   read_labelled(reading, node, Role::tracer, "tracers",
                 [&](const std::string& label, const std::string& base, const MethodRef& ref, const SourceLocation& where) {
-                  if (is_new(reading, plan.tracers, label, where, Role::tracer))
+                  if (is_new(reading, plan.tracers, label, where, Role::tracer)) {
                     plan.tracers.push_back({label, base, ref, where});
+                  }
                 });
 }
 

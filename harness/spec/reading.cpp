@@ -94,8 +94,9 @@ const YamlNode& Reading::at_scale(const YamlNode& node) {
                      {scale_keys.begin(), scale_keys.end()});
     }
   }
-  for (int s = static_cast<int>(scale); s >= 0 && chosen == nullptr; --s)
+  for (int s = static_cast<int>(scale); s >= 0 && chosen == nullptr; --s) {
     chosen = node.find(scale_keys.at(static_cast<std::size_t>(s)));
+  }
   if (chosen != nullptr) return *chosen;
   report(node.where, fmt::format("there is no value for scale '{}'", scale_keys.at(static_cast<std::size_t>(scale))),
          "a value for 'quick'; a larger scale without its own takes the next smaller one's");
@@ -146,6 +147,7 @@ double Fields::quantity(std::string_view key, double fallback, const std::vector
   const YamlNode* found = find(key);
   if (found == nullptr) return fallback;
   std::vector<std::string> names;
+  names.reserve(units.size());
   for (const auto& [unit, factor] : units) names.push_back(unit);
   if (found->is_scalar()) {
     const std::string_view text = found->text;

@@ -87,6 +87,7 @@ template <class T>
 template <class T>
 [[nodiscard]] std::vector<std::string> labels_of(const std::vector<T>& things) {
   std::vector<std::string> labels;
+  labels.reserve(things.size());
   for (const T& thing : things) labels.push_back(thing.label);
   return labels;
 }

@@ -51,8 +51,9 @@ Bvh2 build(std::string_view name, const Scene& scene, const Changes& changes = {
 bool same(const Bvh2& a, const Bvh2& b) {
   if (a.nodes.size() != b.nodes.size() || a.triangles != b.triangles) return false;
   for (std::size_t i = 0; i < a.nodes.size(); ++i) {
-    if (a.nodes[i].box != b.nodes[i].box || a.nodes[i].first != b.nodes[i].first || a.nodes[i].count != b.nodes[i].count)
+    if (a.nodes[i].box != b.nodes[i].box || a.nodes[i].first != b.nodes[i].first || a.nodes[i].count != b.nodes[i].count) {
       return false;
+    }
   }
   return true;
 }
