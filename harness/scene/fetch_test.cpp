@@ -117,8 +117,9 @@ class Fetch : public ::testing::Test {
   [[nodiscard]] std::vector<std::string> left() const {
     std::vector<std::string> names;
     if (!std::filesystem::exists(installed())) return names;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(installed()))
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(installed())) {
       names.push_back(entry.path().filename().string());
+    }
     return names;
   }
   [[nodiscard]] std::string error(const CatalogFile& file) const {

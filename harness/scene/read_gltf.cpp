@@ -149,7 +149,7 @@ class GltfReader {
   }
 
   template <class T>
-  const T& at(const std::vector<T>& list, int index, std::string_view what) const {
+  [[nodiscard]] const T& at(const std::vector<T>& list, int index, std::string_view what) const {
     if (index < 0 || static_cast<std::size_t>(index) >= list.size()) {
       fail(fmt::format("the file refers to {} {}", what, index), fmt::format("an index below {}", list.size()));
     }
@@ -234,7 +234,7 @@ class GltfReader {
     }
   }
 
-  std::vector<Triangle> triangles_of(const tinygltf::Primitive& p, std::uint32_t vertex_count) const {
+  [[nodiscard]] std::vector<Triangle> triangles_of(const tinygltf::Primitive& p, std::uint32_t vertex_count) const {
     std::vector<std::uint32_t> corners;
     if (p.indices >= 0) {
       corners = read_indices(p.indices);
@@ -265,7 +265,7 @@ class GltfReader {
   };
 
   /// An accessor's elements, all of them inside their buffer.
-  View view(int index, int type) const {
+  [[nodiscard]] View view(int index, int type) const {
     const tinygltf::Accessor& a = at(model_.accessors, index, "accessor");
     if (a.sparse.isSparse) fail(fmt::format("accessor {} is sparse", index), "a dense accessor");
     if (a.type != type) {
@@ -308,7 +308,7 @@ class GltfReader {
     }
   }
 
-  std::vector<Vec3> read_positions(int accessor) const {
+  [[nodiscard]] std::vector<Vec3> read_positions(int accessor) const {
     const View v = view(accessor, TINYGLTF_TYPE_VEC3);
     std::vector<Vec3> positions(v.count);
     for (std::size_t i = 0; i < v.count; ++i) {
@@ -318,7 +318,7 @@ class GltfReader {
     return positions;
   }
 
-  std::vector<std::uint32_t> read_indices(int accessor) const {
+  [[nodiscard]] std::vector<std::uint32_t> read_indices(int accessor) const {
     const View v = view(accessor, TINYGLTF_TYPE_SCALAR);
     std::vector<std::uint32_t> indices(v.count);
     for (std::size_t i = 0; i < v.count; ++i) {

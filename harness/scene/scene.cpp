@@ -48,8 +48,9 @@ void check_arrays(const Scene& scene, std::string_view source) {
             fmt::format("frame {} has {} vertices", f, scene.frames[f].size()), fmt::format("{}", scene.vertices.size()));
     for (std::size_t i = 0; i < scene.frames[f].size(); ++i) {
       const Vec3 v = scene.frames[f][i];
-      if (!is_finite(v))
+      if (!is_finite(v)) {
         require(false, source, fmt::format("vertex {} of frame {} is ({}, {}, {})", i, f, v.x, v.y, v.z), "finite coordinates");
+      }
     }
   }
 }

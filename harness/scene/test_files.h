@@ -39,6 +39,7 @@ class TempFolder {
   [[nodiscard]] std::string text() const { return path_.string(); }
 
   /// Writes a file, with its folders, and returns its path.
+  // NOLINTNEXTLINE(modernize-use-nodiscard): written for the file; few callers need its path
   std::string write(const std::string& name, std::string_view content) const {
     const auto file = path_ / name;
     std::filesystem::create_directories(file.parent_path());
@@ -70,10 +71,11 @@ class ScopedVariable {
 
  private:
   void set(const std::optional<std::string>& value) {
-    if (value)
+    if (value) {
       ::setenv(name_.c_str(), value->c_str(), 1);
-    else
+    } else {
       ::unsetenv(name_.c_str());
+    }
   }
   std::string name_;
   std::optional<std::string> old_;

@@ -158,7 +158,6 @@ TEST(Scalar, TreeAsDeepAsItHasLeaves) {
   bvh.triangles.resize(depth);
   std::iota(bvh.triangles.begin(), bvh.triangles.end(), 0U);
   bvh.nodes.resize(2 * std::size_t{depth});
-  Box box;
   std::uint32_t next = 2;
   std::uint32_t slot = 0;
   std::vector<std::uint32_t> inner;

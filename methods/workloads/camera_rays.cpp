@@ -77,12 +77,14 @@ RayBatch camera_rays(const Scene& scene, const CameraOptions& options, std::uint
   batch.rays.reserve(count);
   batch.ray_pixels.reserve(count);
   for (const std::uint32_t pixel : pixel_order(options.width, options.height, options.tiles)) {
+    const std::uint32_t column = pixel % options.width;
+    const std::uint32_t row = pixel / options.width;
     for (std::uint32_t sample = 0; sample < options.samples; ++sample) {
       const std::uint64_t index = 2 * (std::uint64_t{pixel} * options.samples + sample);
       const float dx = options.samples == 1 ? 0.5F : random.uniform(index);
       const float dy = options.samples == 1 ? 0.5F : random.uniform(index + 1);
-      const float x = (static_cast<float>(pixel % options.width) + dx) / static_cast<float>(options.width);
-      const float y = (static_cast<float>(pixel / options.width) + dy) / static_cast<float>(options.height);
+      const float x = (static_cast<float>(column) + dx) / static_cast<float>(options.width);
+      const float y = (static_cast<float>(row) + dy) / static_cast<float>(options.height);
       Ray ray;
       ray.origin = camera.eye;
       ray.direction = plane.direction(x, y);

@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "harness/scene/procedural.h"
@@ -238,8 +239,8 @@ class Atrium {
   void tile(Vec3 corner, float size, float rise) {
     constexpr std::array<float, 4> place{0.004F, 0.03F, 0.97F, 0.996F};
     mesh_.grid(3, 3, false, [&](float u, float v) {
-      const auto i = static_cast<std::size_t>(u * 3 + 0.5F);
-      const auto k = static_cast<std::size_t>(v * 3 + 0.5F);
+      const auto i = static_cast<std::size_t>(std::lround(u * 3));
+      const auto k = static_cast<std::size_t>(std::lround(v * 3));
       const bool inside = (i == 1 || i == 2) && (k == 1 || k == 2);
       return corner + Vec3{place[i] * size, inside ? rise : rise - 0.02F, (1 - place[k]) * size};
     });

@@ -74,8 +74,9 @@ class House {
     if (!tower_) {
       count_ = 1;
       volumes_[0] = {0, 0, w, w * random_.uniform(0.7F, 1), 0, height_};
-      if (random_.below(2) == 0)
+      if (random_.below(2) == 0) {
         volumes_[count_++] = {w * 0.4F, w * 0.3F, w * 0.6F, w * 0.68F, 0, height_ * random_.uniform(0.5F, 0.8F)};
+      }
     } else {
       count_ = 0;
       volumes_[count_++] = {0, 0, w, w, 0, base_top()};
@@ -256,7 +257,7 @@ class House {
 };
 
 /// Square root rounded to the nearest whole number.
-int whole_root(double x) { return static_cast<int>(std::sqrt(x) + 0.5); }
+int whole_root(double x) { return static_cast<int>(std::lround(std::sqrt(x))); }
 
 class City {
  public:

@@ -175,7 +175,7 @@ Rings make_rings(std::int64_t triangles) {
   const double total = outline_length(lengths);
   const double area = 0.62;  // of the outline's surface in square metres: only the first guess of the spacing
   const double edge = std::sqrt(area / static_cast<double>(triangles) * 4 / 1.7320508);
-  const int count = std::max(6, static_cast<int>(total / (edge * 0.8660254) + 0.5));
+  const int count = std::max(6, static_cast<int>(std::lround(total / (edge * 0.8660254))));
   Rings rings;
   std::vector<double> perimeters;
   std::size_t at = 0;
@@ -212,16 +212,19 @@ Rings make_rings(std::int64_t triangles) {
 void join(std::uint32_t low, std::uint64_t n, std::uint32_t high, std::uint64_t m, bool low_turned, Triangle* out) {
   std::uint64_t a = 0;
   std::uint64_t b = 0;
+  const auto around = [](std::uint64_t corner, std::uint64_t size) {
+    return static_cast<std::uint32_t>(corner == size ? 0 : corner);
+  };
   while (a < n || b < m) {
-    const std::uint32_t from = low + static_cast<std::uint32_t>(a % n);
-    const std::uint32_t to = high + static_cast<std::uint32_t>(b % m);
+    const std::uint32_t from = low + around(a, n);
+    const std::uint32_t to = high + around(b, m);
     const std::uint64_t next_low = (2 * (a + 1) + (low_turned ? 1 : 0)) * m;
     const std::uint64_t next_high = (2 * (b + 1) + (low_turned ? 0 : 1)) * n;
     if (b == m || (a < n && next_low <= next_high)) {
-      *out++ = {{from, low + static_cast<std::uint32_t>((a + 1) % n), to}};
+      *out++ = {{from, low + around(a + 1, n), to}};
       ++a;
     } else {
-      *out++ = {{from, high + static_cast<std::uint32_t>((b + 1) % m), to}};
+      *out++ = {{from, high + around(b + 1, m), to}};
       ++b;
     }
   }

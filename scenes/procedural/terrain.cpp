@@ -72,8 +72,8 @@ std::uint32_t ground(Vec3 a, Vec3 b, Vec3 c, float dither) {
 
 void make_terrain(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
   const auto wanted = static_cast<double>(triangles - 2);
-  const auto nu = static_cast<int>(std::sqrt(wanted / 2) + 0.5);
-  const auto nv = static_cast<int>(wanted / 2 / nu + 0.5);
+  const auto nu = static_cast<int>(std::lround(std::sqrt(wanted / 2)));
+  const auto nv = static_cast<int>(std::lround(wanted / 2 / nu));
   int octaves = 5;  // the finest octave's wavelength is near two triangles
   while (octaves < 16 && 1150.0 / static_cast<double>(1 << octaves) > side / nu) ++octaves;
   const Height height(seed, octaves);
