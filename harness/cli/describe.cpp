@@ -66,8 +66,9 @@ const Verb verb{
           fmt::print("{}\n", experiment_schema());
           return exit_ok;
         }
-        if (names->empty())
+        if (names->empty()) {
           throw Error(Diagnostic{{}, "describe names no method", "a name that 'raystudy list' shows, or --schema", {}});
+        }
         return describe_all(*names);
       };
     }};

@@ -144,11 +144,12 @@ class TableReader {
     }
     if (const YamlNode* base = fields.find("relative_to")) {
       column.relative_to = lookup_.one_of(plan_.pipelines, *base, "method").value_or("?");
+    }
     if (const YamlNode* tracer = fields.find("tracer")) {
       const bool own = by_method_ && tracer->is_scalar() && tracer->text == own_tracer;
       column.tracer = own ? own_tracer : lookup_.one_of(plan_.tracers, *tracer, "tracer").value_or("?");
     }
-    if (const YamlNode* workload = fields.find("workload"))
+    if (const YamlNode* workload = fields.find("workload")) {
       column.workload = lookup_.one_of(plan_.workloads, *workload, "workload").value_or("?");
     }
   }
