@@ -118,6 +118,7 @@ void check_scene(const CatalogEntry& entry) {
 int check(const std::vector<std::string>& names) {
   const Catalog catalog = read_catalog(catalog_path());
   std::vector<const CatalogEntry*> entries;
+  entries.reserve(names.size());
   for (const std::string& name : names) entries.push_back(&catalog_entry(catalog, name));
   for (const CatalogEntry& entry : catalog.entries) {
     if (names.empty()) entries.push_back(&entry);

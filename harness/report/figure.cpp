@@ -32,6 +32,7 @@ std::vector<FigureOutcome> write_figures(const Report& report, const fs::path& f
   const std::vector<FigureSpec>& figures = report.plan().figures;
   if (!name.empty() && std::none_of(figures.begin(), figures.end(), [&](const FigureSpec& f) { return f.name == name; })) {
     std::vector<std::string> names;
+    names.reserve(figures.size());
     for (const FigureSpec& f : figures) names.push_back(f.name);
     throw Error(Diagnostic{{report.plan().file, 0, 0},
                            fmt::format("there is no figure '{}'", name),
