@@ -56,7 +56,9 @@ const CellResult* with_its_only_tracer(const ResultSet& results, const ValuePlac
 Found find_samples(const std::string& metric, const ValuePlace& place, const ResultSet& results, bool is_baseline) {
   Found found;
   if (place.tracer != own_tracer) found.cell = results.find(place.scene, place.method, place.tracer, place.workload);
-  if (found.cell == nullptr && (is_baseline || place.tracer == own_tracer) && !place.workload.empty()) found.cell = with_its_only_tracer(results, place);
+  if (found.cell == nullptr && (is_baseline || place.tracer == own_tracer) && !place.workload.empty()) {
+    found.cell = with_its_only_tracer(results, place);
+  }
   if (found.cell == nullptr) {
     // A build that failed takes its traced cells with it.
     const CellResult* build = place.workload.empty() ? nullptr : results.find(place.scene, place.method);
