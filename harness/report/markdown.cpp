@@ -65,6 +65,7 @@ class Grid {
 
 std::vector<std::string> marked(const std::vector<NotedText>& line) {
   std::vector<std::string> texts;
+  texts.reserve(line.size());
   for (const NotedText& t : line) texts.push_back(t.note == 0 ? t.text : fmt::format("{} ({})", t.text, t.note));
   return texts;
 }
