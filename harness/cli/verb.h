@@ -10,7 +10,8 @@ namespace raystudy::cli {
 enum ExitCode : int {
   exit_ok = 0,
   exit_failed_rows = 1,   ///< the study ran to its end, but some cells failed
-  exit_bad_input = 2,     ///< a flag, file or environment variable is wrong; nothing was measured
+  exit_bad_input = 2,     ///< a flag, file or environment variable is wrong, or a file cannot be written (a full disk); results
+                          ///< written before are kept
   exit_internal = 3,      ///< a mistake in Raystudy or a plugin
   exit_interrupted = 130  ///< SIGINT or SIGTERM; what was measured is kept
 };

@@ -1,5 +1,6 @@
 #include "harness/report/figure.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -119,11 +120,43 @@ TEST_F(FigureTest, ALineCanBeANumberOverTriangles) {
   const json s = spec();
   EXPECT_EQ(s["data"]["values"][0],
             (json{{"scene", "sibenik-ogre"}, {"method", "sah"}, {"x", 1000}, {"y", 0.052}, {"low", 0.05}, {"high", 0.06}}));
-  EXPECT_EQ(s["layer"].size(), 3U);
+  EXPECT_EQ(s["layer"].size(), 4U);
   EXPECT_EQ(s["layer"][0]["encoding"]["y"]["title"], "total time [s]");
   figure.options["y"] = "nothing";
   EXPECT_TRUE(spec().empty());
   EXPECT_THAT(gaps, testing::Contains("sibenik-ogre, sah: no 'nothing'"));
+}
+
+/// Times 1, 8 and 16 s over 1000, 4000 and 16000 triangles: with x = -1, 0, 1 (powers of 4) and y = 0, 3, 4 (powers of 2) the
+/// least-squares slope is (4 - 0) / 2 powers of 2 a power of 4, so 1. The reference N^1.5 ends at 16^1.5 = 64 times the first.
+TEST_F(FigureTest, GrowthIsFittedAndHeldAgainstAReference) {
+  figure.kind = "line";
+  figure.methods = {"sah"};
+  figure.options = {{"y", "total_time"}, {"x", "triangles"}, {"log_x", "true"}, {"log_y", "true"}, {"reference_exponent", "1.5"}};
+  figure.scenes.clear();
+  plan.scenes.clear();
+  results.clear();
+  for (const auto& [triangles, seconds] : {std::pair{1000.0, 1.0}, {4000.0, 8.0}, {16000.0, 16.0}}) {
+    SceneSpec scene;
+    scene.base = "atrium";
+    scene.label = fmt::format("atrium[triangles={}]", triangles);
+    plan.scenes.push_back(scene);
+    figure.scenes.push_back(scene.label);
+    CellResult result;
+    result.scene = scene.label;
+    result.method = "sah";
+    result.values["triangles"] = {ValueClass::exact, "1", {triangles}};
+    result.values["total_time"] = {ValueClass::absolute, "s", {seconds}};
+    results.push_back(result);
+  }
+  const json rows = spec()["data"]["values"];
+  ASSERT_EQ(rows.size(), 6U);
+  EXPECT_EQ(rows[3], (json{{"scene", "atrium"}, {"method", "sah"}, {"x", 16000}, {"y", 16}, {"exponent", "N^1.00"}}));
+  EXPECT_EQ(rows[4], (json{{"scene", "atrium"}, {"method", "sah"}, {"x", 1000}, {"y", 1}, {"reference", "sah"}}));
+  EXPECT_NEAR(rows[5]["y"].get<double>(), 64, 1e-9);
+  EXPECT_EQ(spec()["title"]["subtitle"], (json{"atrium", "N^x: the power of the triangles that fits best; grey: N^1.5"}));
+  figure.options["reference_exponent"] = "0";
+  EXPECT_EQ(spec()["data"]["values"].size(), 4U);
 }
 
 TEST_F(FigureTest, AStyleIsAColourAndADash) {

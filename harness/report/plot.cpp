@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
@@ -44,7 +45,13 @@ Json config() {
             {"symbolSize", 700},
             {"labelLimit", 400},
             {"orient", "bottom"}}},
-          {"title", {{"fontSize", 15}, {"anchor", "start"}, {"fontWeight", "bold"}, {"offset", 14}, {"subtitleFontSize", 12}}},
+          {"title",
+           {{"fontSize", 15},
+            {"anchor", "start"},
+            {"fontWeight", "bold"},
+            {"offset", 14},
+            {"subtitleFontSize", 12},
+            {"subtitlePadding", 6}}},
           {"line", {{"strokeWidth", 2.25}, {"strokeJoin", "round"}}}};
 }
 
@@ -104,9 +111,14 @@ const Series* series_of(const CellResult& result, const std::string& name, std::
   return nullptr;
 }
 
-/// Panels beside each other, one a scene where there are several.
-Json panels(const FigureSpec& figure, const std::vector<std::string>& scenes, Json rows, const Json& panel) {
+/// Panels beside each other, one a scene where there are several. `explained` stands below the caption.
+Json panels(const FigureSpec& figure, const std::vector<std::string>& scenes, Json rows, const Json& panel,
+            const std::string& explained = {}) {
   Json spec = document(figure, std::move(rows));
+  Json subtitle = Json::array();
+  if (scenes.size() < 2) subtitle.push_back(scenes.front());
+  if (!explained.empty()) subtitle.push_back(explained);
+  if (!subtitle.empty()) spec["title"] = {{"text", figure.caption}, {"subtitle", std::move(subtitle)}};
   if (scenes.size() < 2) {
     spec.update(panel);
     return spec;
@@ -139,9 +151,12 @@ Json depth_histogram(const FigureSpec& figure, const Report& report, std::vector
     }
   }
   if (rows.empty()) return {};
-  Json encoding{
-      {"x", {{"field", "depth"}, {"type", "quantitative"}, {"title", "depth"}, {"axis", {{"tickMinStep", 1}, {"format", "d"}}}}},
-      {"y", {{"field", "area"}, {"type", "quantitative"}, {"title", "sum of areas / root area"}}}};
+  Json encoding{{"x",
+                 {{"field", "depth"},
+                  {"type", "quantitative"},
+                  {"title", "depth"},
+                  {"axis", {{"tickMinStep", 1}, {"format", "d"}, {"labelFlush", false}}}}},
+                {"y", {{"field", "area"}, {"type", "quantitative"}, {"title", "sum of areas / root area"}}}};
   add_styles(encoding, figure);
   Json spec = document(figure, std::move(rows));
   const Json header{{"title", nullptr}, {"labelFontSize", 13}};
@@ -151,7 +166,7 @@ Json depth_histogram(const FigureSpec& figure, const Report& report, std::vector
     spec["facet"]["row"] = {{"field", "scene"}, {"type", "nominal"}, {"sort", figure.scenes}, {"header", header}};
   }
   spec["spec"] = {{"width", 380}, {"height", 280}, {"mark", "line"}, {"encoding", std::move(encoding)}};
-  spec["resolve"] = {{"scale", {{"y", "independent"}}}};
+  spec["resolve"] = {{"scale", {{"y", "independent"}}}, {"axis", {{"x", "independent"}}}};
   return spec;
 }
 
@@ -213,10 +228,88 @@ Json series_plot(const FigureSpec& figure, const Report& report, const std::stri
                  {"encoding", std::move(encoding)}});
 }
 
+/// One curve over the triangles, both axes logarithmic.
+struct Growth {
+  std::string scene;
+  std::string method;
+  std::vector<double> triangles;  ///< > 0
+  std::vector<double> values;     ///< > 0
+
+  /// The slope of the least-squares line through the logarithms: values grow as triangles^exponent.
+  [[nodiscard]] double exponent() const {
+    const auto n = static_cast<double>(triangles.size());
+    double x_sum = 0;
+    double y_sum = 0;
+    double xx_sum = 0;
+    double xy_sum = 0;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      const double x = std::log(triangles[i]);
+      const double y = std::log(values[i]);
+      x_sum += x;
+      y_sum += y;
+      xx_sum += x * x;
+      xy_sum += x * y;
+    }
+    return (n * xy_sum - x_sum * y_sum) / (n * xx_sum - x_sum * x_sum);
+  }
+};
+
+void add_point(std::vector<Growth>& growths, const Json& row) {
+  const double x = row["x"];
+  const double y = row["y"];
+  if (x <= 0 || y <= 0) return;
+  const std::string scene = row["scene"];
+  const std::string method = row["method"];
+  auto found =
+      std::find_if(growths.begin(), growths.end(), [&](const Growth& g) { return g.scene == scene && g.method == method; });
+  if (found == growths.end()) found = growths.insert(found, Growth{scene, method, {}, {}});
+  found->triangles.push_back(x);
+  found->values.push_back(y);
+}
+
+/// 0: none.
+double reference_exponent(const FigureSpec& figure) {
+  const auto option = figure.options.find("reference_exponent");
+  return option == figure.options.end() ? 0 : std::stod(option->second);
+}
+
+/// Says beside each curve with which power of the triangles it grows, and draws the power that it is to be compared with.
+void add_growth(const FigureSpec& figure, const Json& encoding, const std::vector<Growth>& growths, Json& rows, Json& layers) {
+  const double reference = reference_exponent(figure);
+  for (const Growth& growth : growths) {
+    const auto [least, most] = std::minmax_element(growth.triangles.begin(), growth.triangles.end());
+    if (growth.triangles.size() < 3 || *least == *most) continue;
+    const double start = growth.values[static_cast<std::size_t>(least - growth.triangles.begin())];
+    const double end = growth.values[static_cast<std::size_t>(most - growth.triangles.begin())];
+    const Json common{{"scene", growth.scene}, {"method", growth.method}};
+    const auto add = [&rows, &common](double x, double y, const char* field, const Json& value) {
+      Json row = common;
+      row.update({{"x", x}, {"y", y}, {field, value}});
+      rows.push_back(std::move(row));
+    };
+    add(*most, end, "exponent", fmt::format("N^{:.2f}", growth.exponent()));
+    if (reference <= 0) continue;
+    add(*least, start, "reference", growth.method);
+    add(*most, start * std::pow(*most / *least, reference), "reference", growth.method);
+  }
+  Json fitted{{"x", encoding["x"]}, {"y", encoding["y"]}, {"color", encoding["color"]}};
+  fitted["text"] = {{"field", "exponent"}, {"type", "nominal"}};
+  layers.push_back({{"transform", Json::array({{{"filter", "isValid(datum.exponent)"}}})},
+                    {"mark", {{"type", "text"}, {"align", "left"}, {"baseline", "middle"}, {"dx", 10}, {"fontSize", 12}}},
+                    {"encoding", std::move(fitted)}});
+  if (reference <= 0) return;
+  Json line{{"x", encoding["x"]}, {"y", encoding["y"]}, {"detail", {{"field", "reference"}, {"type", "nominal"}}}};
+  const Json layer{{"transform", Json::array({{{"filter", "isValid(datum.reference)"}}})},
+                   {"mark", {{"type", "line"}, {"color", "#999999"}, {"strokeWidth", 1.25}, {"strokeDash", {4, 3}}}},
+                   {"encoding", std::move(line)}};
+  layers.insert(layers.begin(), layer);
+}
+
 /// A single number over the triangles of the scenes: a curve for each method, a panel for each scene of a sweep.
 Json scaling_plot(const FigureSpec& figure, const Report& report, const std::string& quantity, std::vector<std::string>& gaps) {
   Json rows = Json::array();
   std::vector<std::string> bases;
+  std::vector<Growth> growths;
   std::string unit;
   for (const std::string& scene : figure.scenes) {
     const auto spec = std::find_if(report.plan().scenes.begin(), report.plan().scenes.end(),
@@ -240,6 +333,7 @@ Json scaling_plot(const FigureSpec& figure, const Report& report, const std::str
         }
       }
       if (std::find(bases.begin(), bases.end(), base) == bases.end()) bases.push_back(base);
+      add_point(growths, row);
       rows.push_back(std::move(row));
     }
   }
@@ -253,14 +347,23 @@ Json scaling_plot(const FigureSpec& figure, const Report& report, const std::str
   intervals["color"] = encoding["color"];
   Json points = encoding;
   points.erase("strokeDash");
-  Json layers = Json::array({{{"mark", "line"}, {"encoding", encoding}},
-                             {{"mark", {{"type", "point"}, {"filled", true}, {"size", 45}}}, {"encoding", points}}});
+  const Json measured = Json::array({{{"filter", "!isValid(datum.exponent) && !isValid(datum.reference)"}}});
+  Json layers = Json::array({{{"transform", measured}, {"mark", "line"}, {"encoding", encoding}},
+                             {{"transform", measured},
+                              {"mark", {{"type", "point"}, {"filled", true}, {"size", 45}, {"opacity", 1}}},
+                              {"encoding", points}}});
   if (std::any_of(rows.begin(), rows.end(), [](const Json& row) { return row.contains("low"); })) {
     layers.push_back({{"transform", Json::array({{{"filter", "isValid(datum.low)"}}})},
                       {"mark", {{"type", "rule"}, {"strokeWidth", 1.5}}},
                       {"encoding", intervals}});
   }
-  return panels(figure, bases, std::move(rows), {{"width", 420}, {"height", 300}, {"layer", std::move(layers)}});
+  std::string explained;
+  if (is_logarithmic(figure, "log_x") && is_logarithmic(figure, "log_y")) {
+    add_growth(figure, encoding, growths, rows, layers);
+    explained = "N^x: the power of the triangles that fits best";
+    if (const double x = reference_exponent(figure); x > 0) explained += fmt::format("; grey: N^{:g}", x);
+  }
+  return panels(figure, bases, std::move(rows), {{"width", 420}, {"height", 300}, {"layer", std::move(layers)}}, explained);
 }
 
 }  // namespace

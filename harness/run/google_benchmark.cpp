@@ -69,7 +69,8 @@ void write_google_benchmark(const Plan& plan, std::size_t scene, const std::file
     add_entries(document["benchmarks"], result, family++);
   }
   if (family == 0) return;
-  write_file_atomically(folder / "google-benchmark" / file_name(plan.scenes[scene].label), document.dump(2) + '\n');
+  // Nothing that the results do not say already.
+  write_file_atomically(folder / "google-benchmark" / file_name(plan.scenes[scene].label), document.dump(2) + '\n', Durable::no);
 }
 
 }  // namespace raystudy

@@ -156,7 +156,8 @@ CellResult result_from_json(std::string_view text, std::string_view source) {
 }
 
 void write_result(const std::filesystem::path& folder, const CellResult& result) {
-  write_file_atomically(result_file(folder, result.id), result_to_json(result));
+  const Durable durable = result.status == CellStatus::missing ? Durable::no : Durable::yes;
+  write_file_atomically(result_file(folder, result.id), result_to_json(result), durable);
 }
 
 CellResult read_result(const std::filesystem::path& file) {

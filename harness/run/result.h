@@ -66,7 +66,8 @@ struct CellResult {
 /// `<folder>/<id>.json`.
 [[nodiscard]] std::filesystem::path result_file(const std::filesystem::path& folder, std::string_view id);
 
-/// Writes `<folder>/<id>.json` atomically (temporary file, fsync, rename). Throws Error naming the path and the system's reason.
+/// Writes `<folder>/<id>.json` atomically, and durably but for a missing one, which holds nothing measured and is looked for at
+/// every run (atomic_file.h). Throws Error naming the path and the system's reason.
 ///
 /// The file is one JSON object: `format` (1), then CellResult's members by their names; `status` is done, failed or missing;
 /// `values` maps a name to {class: exact|ratio|absolute, unit, samples: [numbers]}; `series` maps a name to

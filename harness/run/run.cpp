@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -15,6 +17,7 @@
 #include "harness/run/google_benchmark.h"
 #include "harness/run/memory.h"
 #include "harness/run/provenance.h"
+#include "harness/scene/catalog.h"
 #include "harness/scene/open.h"
 #include "harness/spec/cell_id.h"
 #include "harness/spec/cells.h"
@@ -33,7 +36,10 @@ class Run {
         folder_(results_folder(plan, options.results)),
         progress_(plan.name, static_cast<double>(plan.cells.size()), 0, options.log) {
     require_writable_folder(folder_);
+    remove_stale_temporaries(folder_);
     provenance_ = run_provenance(plan, options.command);
+    open_ = options.open;
+    if (!open_) open_catalog();
   }
 
   RunSummary run();
@@ -42,7 +48,8 @@ class Run {
   using Pending = std::vector<std::size_t>;  ///< indices into Plan::cells
 
   [[nodiscard]] bool is_reusable(std::size_t cell);
-  void run_scene(Pending& pending);
+  void open_catalog();
+  void run_scene(std::size_t scene, Pending& pending);
   void follow(Child& child, Board& board, Pending& pending);
   void handle(const Message& message, const Board& board, Pending& pending);
   void record(std::size_t cell, CellResult result, Pending& pending);
@@ -56,10 +63,13 @@ class Run {
 
   const Plan& plan_;
   const RunOptions& options_;
+  double start_ = Board::now_seconds();
   fs::path folder_;
   Progress progress_;
   std::map<std::string, std::string> provenance_;
   std::string scene_hash_;
+  OpenScene open_;
+  std::function<std::optional<std::string>(const SceneSpec&)> why_not_installed_;
   RunSummary summary_;
   std::size_t processes_ = 0;
   std::size_t settled_ = 0;  ///< cells of this run that have a result
@@ -145,9 +155,7 @@ void Run::handle(const Message& message, const Board& board, Pending& pending) {
 }
 
 double Run::seconds_left(const Board::Stage& stage) const {
-  if (plan_.timeout_seconds <= 0 || stage.scope == Scope::scene || stage.start == 0) {
-    return std::numeric_limits<double>::infinity();
-  }
+  if (plan_.timeout_seconds <= 0 || stage.start == 0) return std::numeric_limits<double>::infinity();
   return plan_.timeout_seconds - stage.seconds_before - (Board::now_seconds() - stage.start);
 }
 
@@ -211,15 +219,28 @@ void Run::follow(Child& child, Board& board, Pending& pending) {
   }
 }
 
-void Run::run_scene(Pending& pending) {
+/// The catalog is read once for all scenes; workers find it in their copy of this process.
+void Run::open_catalog() {
+  const double start = Board::now_seconds();
+  const auto catalog = std::make_shared<const Catalog>(read_catalog(catalog_path()));
+  open_ = [catalog](const SceneSpec& s) { return open_scene(*catalog, s.name, s.triangles, s.seed); };
+  why_not_installed_ = [catalog](const SceneSpec& s) { return why_not_installed(*catalog, s.name); };
+  summary_.set_up += Board::now_seconds() - start;
+}
+
+void Run::run_scene(std::size_t scene, Pending& pending) {
+  if (why_not_installed_) {
+    provenance_.erase("timing_group");  // the scene before's
+    if (const std::optional<std::string> reason = why_not_installed_(plan_.scenes[scene])) {
+      fail_scope(Scope::scene, scene, CellStatus::missing, *reason, pending);
+    }
+  }
   while (!pending.empty() && !InterruptWatch::interrupted()) {
     // Times may be divided by each other where one process took them in turn.
     provenance_["timing_group"] = fmt::format("{}, process {}", utc_now(), ++processes_);
     SharedBoard board;
     Child child([this, &pending, &board](int socket) {
-      WorkerOptions worker{options_.open, options_.sample_seconds};
-      if (!worker.open) worker.open = [](const SceneSpec& spec) { return open_scene(spec.name, spec.triangles, spec.seed); };
-      run_worker(plan_, pending, worker, *board, MessageSender(socket));
+      run_worker(plan_, pending, {open_, options_.sample_seconds}, *board, MessageSender(socket));
     });
     const std::size_t before = pending.size();
     follow(child, *board, pending);
@@ -234,7 +255,6 @@ void Run::run_scene(Pending& pending) {
 }
 
 RunSummary Run::run() {
-  const double start = Board::now_seconds();
   const InterruptWatch watch;
   if (plan_.memory_limit_bytes > 0 && !MemoryLimit::is_enforced()) {
     progress_.line("memory limit: not enforced, since this Raystudy is built with a sanitizer");
@@ -250,14 +270,14 @@ RunSummary Run::run() {
     }
   }
   for (auto& [scene, pending] : by_scene) {
-    const std::size_t before = pending.size();
+    const std::size_t before = summary_.done;
     scene_hash_.clear();
-    if (!InterruptWatch::interrupted()) run_scene(pending);
+    if (!InterruptWatch::interrupted()) run_scene(scene, pending);
     summary_.left += pending.size();
-    if (pending.size() < before) write_google_benchmark(plan_, scene, folder_);
+    if (summary_.done > before) write_google_benchmark(plan_, scene, folder_);
   }
   summary_.interrupted = InterruptWatch::interrupted();
-  summary_.wall = Board::now_seconds() - start;
+  summary_.wall = Board::now_seconds() - start_;
   return summary_;
 }
 

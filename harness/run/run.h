@@ -42,9 +42,10 @@ struct RunSummary {
 /// Measures the cells of `plan` that have no result yet; those that failed before are tried again.
 ///
 /// Each scene is measured by a process of its own (worker.h). Where it crashes, takes longer than the plan's timeout over a
-/// cell, or is killed for memory, the cell at work gets a failed result that says so and a new process goes on with the others.
-/// Every result is on disk before the next is begun, so that whatever ends the run, the same command goes on where it was.
-/// SIGINT, SIGTERM and SIGHUP end it at once, with `interrupted` set. The calling process must have one thread only.
+/// cell or over opening the scene, or is killed for memory, the cell at work gets a failed result that says so and a new process
+/// goes on with the others. Every result is on disk before the next is begun, so that whatever ends the run, the same command
+/// goes on where it was. SIGINT, SIGTERM and SIGHUP end it at once, with `interrupted` set. The calling process must have one
+/// thread only.
 ///
 /// Throws Error, before anything is measured, where the results folder cannot be written; later where a result cannot be
 /// written (a full disk), after ending the worker.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -119,6 +120,33 @@ TEST_F(RunTest, ACellThatTakesTooLongIsEnded) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
   EXPECT_EQ(summary.done, 1U);
   EXPECT_EQ(result_of(plan, 0).reason, "timed out after 1.5 s while building");
+}
+
+TEST_F(RunTest, ASceneThatTakesTooLongToOpenFailsItsCellsOnly) {
+  Plan plan = test_plan({"good"});
+  plan.timeout_seconds = 1.5;
+  plan.scenes.push_back({"endless", "endless", "endless", 0, 1, "endless", {}});
+  plan.cells.push_back({1, 0, {}, {}});
+  options.open = [](const SceneSpec& spec) {
+    if (spec.name == "endless") std::this_thread::sleep_for(std::chrono::hours(1));
+    return open_test_scene(spec);
+  };
+  EXPECT_EQ(run_plan(plan, options).done, 1U);
+  EXPECT_EQ(result_of(plan, 1).status, CellStatus::failed);
+  EXPECT_EQ(result_of(plan, 1).reason, "timed out after 1.5 s while opening the scene");
+}
+
+TEST_F(RunTest, WhatAKilledRunLeftHalfWrittenGoes) {
+  const Plan plan = test_plan({"good"});
+  (void)run_plan(plan, options);
+  const pid_t dead = fork();
+  if (dead == 0) _exit(0);
+  waitpid(dead, nullptr, 0);
+  const fs::path left = results_folder(plan, folder) / fmt::format(".0123.json.{}.tmp", dead);
+  std::ofstream(left) << "{\"format\": 1,";
+  fs::last_write_time(left, fs::file_time_type::clock::now() - std::chrono::hours(1));
+  EXPECT_EQ(run_plan(plan, options).reused, 1U);
+  EXPECT_FALSE(fs::exists(left));
 }
 
 TEST_F(RunTest, ACellThatTakesTooMuchMemoryIsEnded) {

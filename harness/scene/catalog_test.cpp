@@ -131,6 +131,7 @@ TEST_F(OpenScene, AddsWhatTheCatalogSays) {
                 "    lights:\n      - {name: lamp, position: [0, 0, 3]}\n");
   const Scene scene = open_scene("my-square");
   EXPECT_EQ(scene.name, "my-square");
+  EXPECT_FALSE(why_not_installed(read_catalog(catalog_path()), "my-square"));
   EXPECT_EQ(scene.camera("").name, "top");
   EXPECT_EQ(scene.lights.at(0).name, "lamp");
   EXPECT_EQ(scene.material_of(1).kind, MaterialKind::reflective);
@@ -173,6 +174,9 @@ TEST_F(OpenScene, NamesNobodyKnowsAndScenesNobodyHas) {
     }
     return "no SceneNotInstalled";
   };
+  const Catalog known = read_catalog(catalog_path());
+  for (const char* name : {"far", "other", "bare"}) EXPECT_EQ(why_not_installed(known, name), missing(name));
+  for (const char* name : {"my-square", "atrium", "some/file.ply"}) EXPECT_FALSE(why_not_installed(known, name)) << name;
   EXPECT_EQ(missing("far"), "scene not installed: raystudy scene get far");
   EXPECT_EQ(missing("other"), "scene not installed: other; ask the author for other/other.ply");
   EXPECT_EQ(missing("bare"), "scene not installed: bare; put the file at bare.ply below a folder of RAYSTUDY_SCENES");

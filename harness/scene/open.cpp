@@ -2,13 +2,21 @@
 
 #include <fmt/format.h>
 
-#include "harness/scene/catalog.h"
+#include <algorithm>
+
 #include "harness/scene/load.h"
 #include "harness/scene/procedural.h"
 #include "harness/scene/read.h"
 
 namespace raystudy {
 namespace {
+
+bool is_path(std::string_view name) { return name.find('/') != std::string_view::npos; }
+
+bool is_procedural(std::string_view name) {
+  const auto& all = procedural_scenes();
+  return std::any_of(all.begin(), all.end(), [name](const ProceduralInfo& info) { return info.name == name; });
+}
 
 FileToRead to_read(const CatalogFile& file, const CatalogEntry& entry) {
   const auto path = find_file(file);
@@ -62,12 +70,23 @@ const CatalogEntry& catalog_entry(const Catalog& catalog, std::string_view name)
       {}, fmt::format("there is no scene '{}'", name), "a name that 'raystudy scene list' shows", nearest_name(name, known)});
 }
 
+Scene open_scene(const Catalog& catalog, std::string_view name, std::int64_t triangles, std::uint64_t seed) {
+  if (is_path(name)) return read_scene(name);
+  if (is_procedural(name)) return make_procedural(name, triangles, seed);
+  return open_entry(catalog_entry(catalog, name));
+}
+
 Scene open_scene(std::string_view name, std::int64_t triangles, std::uint64_t seed) {
-  if (name.find('/') != std::string_view::npos) return read_scene(name);
-  for (const ProceduralInfo& info : procedural_scenes()) {
-    if (info.name == name) return make_procedural(name, triangles, seed);
-  }
-  return open_entry(catalog_entry(read_catalog(catalog_path()), name));
+  const bool needs_catalog = !is_path(name) && !is_procedural(name);
+  return open_scene(needs_catalog ? read_catalog(catalog_path()) : Catalog{}, name, triangles, seed);
+}
+
+std::optional<std::string> why_not_installed(const Catalog& catalog, std::string_view name) {
+  const CatalogEntry* entry = is_path(name) || is_procedural(name) ? nullptr : catalog.find(name);
+  if (entry == nullptr) return std::nullopt;
+  const bool has_frames = std::all_of(entry->frames.begin(), entry->frames.end(), [](const auto& f) { return find_file(f); });
+  if (installed_file(*entry) != nullptr && has_frames) return std::nullopt;
+  return not_installed_text(*entry);
 }
 
 }  // namespace raystudy

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include "harness/base/error.h"
+#include "harness/scene/catalog.h"
 #include "harness/scene/scene.h"
 
 namespace raystudy {
@@ -19,5 +22,10 @@ class SceneNotInstalled : public Error {
 /// cameras, lights and materials are added). A name with a '/' is a file's path, read as it is. Throws Error with the nearest
 /// name, SceneNotInstalled, or what is wrong with the file.
 [[nodiscard]] Scene open_scene(std::string_view name, std::int64_t triangles = 0, std::uint64_t seed = 1);
+/// The same with a catalog that is read already.
+[[nodiscard]] Scene open_scene(const Catalog& catalog, std::string_view name, std::int64_t triangles, std::uint64_t seed);
+
+/// What SceneNotInstalled would say; nothing where open_scene would not throw it. Looks for the scene's files and reads none.
+[[nodiscard]] std::optional<std::string> why_not_installed(const Catalog& catalog, std::string_view name);
 
 }  // namespace raystudy

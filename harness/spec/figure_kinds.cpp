@@ -22,8 +22,10 @@ const std::vector<FigureKind>& figure_kinds() {
        true,
        {text_param("y", "cost_over_time", "the quantity"),
         choice_param("x", {"axis", "triangles"}, "the series' own axis, or the scenes' triangles"),
-        boolean_param("log_x", false, "logarithmic horizontal axis"),
-        boolean_param("log_y", false, "logarithmic vertical axis")}},
+        boolean_param("log_x", false, "logarithmic horizontal axis"), boolean_param("log_y", false, "logarithmic vertical axis"),
+        real_param("reference_exponent", 0,
+                   "over triangles, both axes logarithmic: beside each curve a grey line of this power of the triangles; 0: none",
+                   0, 10)}},
   };
   return all;
 }
