@@ -1,8 +1,5 @@
 #include "methods/topdown/binned_split.h"
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_reduce.h>
-
 #include <algorithm>
 
 namespace raystudy::topdown {
@@ -96,18 +93,14 @@ void BinnedSplitter::fill_alternating(std::span<const BoxRecord> records, const 
 }
 
 void BinnedSplitter::fill_shared(std::span<const BoxRecord> records, const Binning& binning) {
-  Bins empty(row_);
-  empty.clear(row_);
-  bins_ = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, records.size(), shared_pass / 4), empty,
-      [&](const auto& range, Bins bins) {
-        fill(bins, records.subspan(range.begin(), range.size()), binning);
-        return bins;
-      },
-      [&](Bins a, const Bins& b) {
-        a.merge(b, row_);
-        return a;
-      });
+  const auto parts = pass_in_blocks(records, threads_, [&](std::span<const BoxRecord> part) {
+    auto bins = std::make_unique<Bins>(row_);
+    bins->clear(row_);
+    fill(*bins, part, binning);
+    return bins;
+  });
+  bins_.clear(row_);
+  for (const auto& part : parts) bins_.merge(*part, row_);
 }
 
 void BinnedSplitter::measure_sides() {

@@ -1,10 +1,5 @@
 #pragma once
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_reduce.h>
-#include <oneapi/tbb/task_arena.h>
-#include <oneapi/tbb/task_group.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -13,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/parallel.h"
 #include "harness/method/method.h"
 #include "methods/topdown/box_record.h"
 #include "methods/topdown/sweep_orders.h"
@@ -47,19 +43,31 @@ struct NodeBounds {
 /// Nodes of at least this many triangles share their passes over triangles among threads.
 inline constexpr std::size_t shared_pass = 32768;
 
+/// pass(block) of blocks that together are all records, on up to `threads` threads.
+template <class Pass>
+[[nodiscard]] auto pass_in_blocks(std::span<const BoxRecord> records, int threads, const Pass& pass) {
+  const std::size_t n = records.size();
+  const std::size_t blocks = std::clamp(n / (shared_pass / 4), std::size_t{1}, 4 * static_cast<std::size_t>(threads));
+  std::vector<decltype(pass(records))> results(blocks);
+  parallel_for_each(blocks, [&](std::size_t i) {
+    const std::size_t begin = n * i / blocks;
+    results[i] = pass(records.subspan(begin, n * (i + 1) / blocks - begin));
+  });
+  return results;
+}
+
 [[nodiscard]] inline NodeBounds bounds_of(std::span<const BoxRecord> records, int threads) {
-  const auto pass = [](std::span<const BoxRecord> part, NodeBounds bounds) {
+  const auto pass = [](std::span<const BoxRecord> part) {
+    NodeBounds bounds;
     for (const BoxRecord& record : part) bounds.extend(record);
     return bounds;
   };
-  if (threads == 1 || records.size() < shared_pass) return pass(records, {});
-  // Minima and maxima are the same in any order, so that this stays deterministic.
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, records.size(), shared_pass / 4), NodeBounds{},
-      [&](const auto& r, const NodeBounds& bounds) { return pass(records.subspan(r.begin(), r.size()), bounds); },
-      [](const NodeBounds& a, const NodeBounds& b) {
-        return NodeBounds{united(a.box, b.box), united(a.centers, b.centers)};
-      });
+  if (threads == 1 || records.size() < shared_pass) return pass(records);
+  NodeBounds all;
+  for (const NodeBounds& part : pass_in_blocks(records, threads, pass)) {
+    all = {united(all.box, part.box), united(all.centers, part.centers)};
+  }
+  return all;
 }
 
 /// Puts the records whose boxes go left in front of the others and returns how many they are. Without a branch, since which way a
@@ -111,8 +119,9 @@ class RecordBuild {
     bvh_.nodes.resize(std::size_t{2} * n);
     bvh_.triangles.resize(n);
     const Part root{{0, 2, 0, n}, bounds_of(records_, threads_)};
-    tbb::task_group tasks;
-    tasks.run_and_wait([&] { build_large(root, tasks); });
+    TaskGroup tasks;
+    tasks.run([&] { build_large(root, tasks); });
+    tasks.wait();
     if (leaves_.sah) compact(bvh_);
   }
 
@@ -124,7 +133,7 @@ class RecordBuild {
 
   static constexpr std::uint32_t large = 8192;  ///< smaller subtrees are one task
 
-  void build_large(Part part, tbb::task_group& tasks) {
+  void build_large(Part part, TaskGroup& tasks) {
     Splitter splitter = splitter_;
     while (part.subtree.count > large) {
       auto children = make_node(part, splitter, threads_);
@@ -208,8 +217,7 @@ std::unique_ptr<Accel> build_from_records(const Scene& scene, const BuildContext
                                           const Measure& measure, const Splitter& splitter) {
   auto bvh = std::make_unique<Bvh2>();
   if (scene.triangles.empty()) return bvh;
-  tbb::task_arena arena(context.threads);
-  arena.execute([&] {
+  with_threads(context.threads, [&] {
     BoxRecords records(scene.triangles.size());
     fill_records(scene, context.threads, records);
     RecordBuild<Splitter>(splitter, leaves, measure, {records.data(), records.size()}, *bvh, context.threads).run();

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/parallel_invoke.h>
-#include <oneapi/tbb/task_group.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -12,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "harness/base/parallel.h"
 #include "harness/method/method.h"
 #include "methods/topdown/sweep_orders.h"
 #include "methods/topdown/sweep_scan.h"
@@ -36,8 +33,9 @@ class SweepBuild {
     for (const auto& list : orders_.lists) view.lists.push_back(list.get());
     const auto sides = std::make_unique_for_overwrite<std::uint8_t[]>(n);
     view.sides = sides.get();
-    tbb::task_group tasks;
-    tasks.run_and_wait([&] { build_large({0, 2, 0, n}, view, tasks); });
+    TaskGroup tasks;
+    tasks.run([&] { build_large({0, 2, 0, n}, view, tasks); });
+    tasks.wait();
   }
 
  private:
@@ -74,7 +72,7 @@ class SweepBuild {
 
   /// Splits nodes while they are large, and gives the smaller child of each away as a task. No recursion: a tree may be as deep
   /// as it has triangles.
-  void build_large(Subtree s, const View& view, tbb::task_group& tasks) {
+  void build_large(Subtree s, const View& view, TaskGroup& tasks) {
     while (s.count > large) {
       const Split split = find_split(s, view);
       if (split.left == 0) return;
@@ -282,7 +280,7 @@ class SweepBuild {
     if (threads_ == 1) {
       for (int order = 0; order < orders_.count(); ++order) f(order);
     } else {
-      tbb::parallel_for(0, orders_.count(), f, tbb::simple_partitioner());
+      parallel_for_each(orders_.lists.size(), [&](std::size_t order) { f(static_cast<int>(order)); });
     }
   }
 

@@ -1,11 +1,10 @@
 #include "methods/topdown/sweep_orders.h"
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-
 #include <array>
 #include <bit>
 #include <utility>
+
+#include "harness/base/parallel.h"
 
 namespace raystudy::topdown {
 namespace {
@@ -66,7 +65,7 @@ void for_each_range(std::size_t n, int threads, F&& f) {
   if (threads == 1) {
     f(std::size_t{0}, n);
   } else {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096), [&](const auto& r) { f(r.begin(), r.end()); });
+    parallel_for_blocks(n, 4096, f);
   }
 }
 
@@ -99,8 +98,7 @@ SweepOrders::SweepOrders(const Scene& scene, Positions positions, int threads, c
     for (int order = 0; order < count(); ++order) sort(order);
     meanwhile();
   } else {
-    tbb::parallel_for(
-        0, count() + 1, [&](int i) { i < count() ? sort(i) : meanwhile(); }, tbb::simple_partitioner());
+    parallel_for_each(lists.size() + 1, [&](std::size_t i) { i < lists.size() ? sort(static_cast<int>(i)) : meanwhile(); });
   }
 }
 

@@ -1,7 +1,6 @@
-#include <oneapi/tbb/task_arena.h>
-
 #include <utility>
 
+#include "harness/base/parallel.h"
 #include "harness/method/registry.h"
 #include "methods/topdown/sweep_build.h"
 
@@ -40,8 +39,7 @@ class SweepSah final : public Builder {
     const auto heuristic = Registry::instance().create<Heuristic>(params_.method("heuristic"));
     const std::shared_ptr<const Measure> measure = heuristic->prepare(scene, context);
     const LeafPolicy leaves(params_, context.cost);
-    tbb::task_arena arena(context.threads);
-    arena.execute([&] {
+    with_threads(context.threads, [&] {
       topdown::SweepOrders orders(scene, positions(), context.threads, [&] {
         bvh->nodes.resize(2 * scene.triangles.size());
         bvh->triangles.resize(scene.triangles.size());
