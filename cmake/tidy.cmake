@@ -1,4 +1,4 @@
-# cmake --build --preset release --target tidy: clang-tidy (Debian package clang-tidy) over harness/ and methods/, tests included.
+# cmake --build --preset release --target tidy: clang-tidy (Debian package clang-tidy) over harness/, methods/ and scenes/, tests included.
 find_program(RUN_CLANG_TIDY run-clang-tidy)
 if(RUN_CLANG_TIDY)
   add_custom_target(tidy

@@ -30,6 +30,12 @@ if(NOT output MATCHES "projected-area [^\n]*libprojected_area.so")
   message(FATAL_ERROR "the plugin's heuristic is not listed:\n${output}")
 endif()
 
+# The study of CONTRIBUTING.md, run with the plugin.
+run(${work}/prefix/bin/raystudy run ${source}/my-study.yaml --results ${work}/results)
+if(NOT output MATCHES "\\| sun +\\| +[0-9.]+ \\|" OR NOT output MATCHES "0 failed")
+  message(FATAL_ERROR "the study with the plugin's heuristic has no row of it:\n${output}")
+endif()
+
 # The same file twice under two names: two plugins of one name.
 file(COPY_FILE ${work}/build/libprojected_area.so ${work}/build/libsecond.so)
 set(ENV{RAYSTUDY_PLUGINS} ${work}/build/libprojected_area.so:${work}/build/libsecond.so)

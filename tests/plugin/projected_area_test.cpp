@@ -33,8 +33,9 @@ TEST(ProjectedArea, RefusesTheZeroDirection) {
   EXPECT_THROW((void)registry.create<Heuristic>(zero), Error);
 }
 
-TEST(Contributing, ShowsTheVeryFileThatIsTested) {
+TEST(Contributing, ShowsTheVeryFilesThatAreTested) {
   EXPECT_THAT(text_of("CONTRIBUTING.md"), testing::HasSubstr(text_of("tests/plugin/projected_area.cpp")));
+  EXPECT_THAT(text_of("CONTRIBUTING.md"), testing::HasSubstr(text_of("tests/plugin/my-study.yaml")));
 }
 
 }  // namespace
