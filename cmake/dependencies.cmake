@@ -18,6 +18,7 @@ find_package(PkgConfig REQUIRED)
 # By pkg-config: Debian's CMake file of OpenImageIO demands OpenCV headers that its package does not bring.
 pkg_check_modules(oiio REQUIRED IMPORTED_TARGET OpenImageIO)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
+pkg_check_modules(hwy REQUIRED IMPORTED_TARGET libhwy)
 
 # Embree 4 where it is installed, else 3.13: the code compiles against both (methods/embree/embree_version.h).
 find_package(embree 4 QUIET)

@@ -51,15 +51,17 @@ template <int W>
 struct alignas(W == 4 ? 64 : 32) QuantizedNode {
   static constexpr int width = W;
   std::array<float, 3> origin;
-  std::array<std::int8_t, 4> exponent;  ///< of the three axes, from -126 to 127; the fourth is 0
+  std::array<std::int8_t, 4> exponent;  ///< of the three axes, from -126 to 127; the fourth is the number of slots used
   std::array<std::array<std::array<std::uint8_t, W>, 2>, 3> bounds;
   std::array<std::uint32_t, W> child;
 
+  /// Slots in use. On a grid finer than a ray's own error no box could keep rays off the others.
+  [[nodiscard]] int used() const { return exponent[3]; }
   [[nodiscard]] float scale(int axis) const {
     return std::bit_cast<float>(static_cast<std::uint32_t>(exponent[static_cast<std::size_t>(axis)] + 127) << 23U);
   }
   [[nodiscard]] Box box(int i) const {
-    if (child[static_cast<std::size_t>(i)] == WideChild::none) return {};
+    if (i >= used()) return {};
     Box b;
     for (int axis = 0; axis < 3; ++axis) {
       const auto& planes = bounds[static_cast<std::size_t>(axis)];

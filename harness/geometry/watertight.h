@@ -61,18 +61,12 @@ struct ShearedRay {
   }
 };
 
-namespace detail {
-
 /// The rest of the test, for the few triangles that the signs of the rounded edge functions do not rule out: decides the edges
-/// that came out as 0 or NaN (the products of floats are exact in double) and finds t, u and v without cancellation.
-inline bool finish_test(const ShearedRay& ray, __m128 x4, __m128 y4, __m128 z4, float tmax, TriangleHit& hit) {
-  alignas(16) std::array<float, 4> x{};
-  alignas(16) std::array<float, 4> y{};
-  alignas(16) std::array<float, 4> z{};
-  _mm_store_ps(x.data(), x4);
-  _mm_store_ps(y.data(), y4);
-  _mm_store_ps(z.data(), z4);
-  const auto edge = [&](std::size_t i, std::size_t j) {
+/// that came out as 0 or NaN (the products of floats are exact in double) and finds t, u and v without cancellation. `x`, `y` and
+/// `z` are the sheared corners, three at least.
+inline bool finish_test(const float* x, const float* y, const float* z, float tmin, double direction_along, float tmax,
+                        TriangleHit& hit) {
+  const auto edge = [&](int i, int j) {
     return static_cast<double>(x[j]) * static_cast<double>(y[i]) - static_cast<double>(y[j]) * static_cast<double>(x[i]);
   };
   const double a = edge(1, 2);
@@ -82,14 +76,12 @@ inline bool finish_test(const ShearedRay& ray, __m128 x4, __m128 y4, __m128 z4, 
   const double area = a + b + c;
   if (!(area != 0)) return false;  // seen edge-on, or of no area
   const double t = (a * static_cast<double>(z[0]) + b * static_cast<double>(z[1]) + c * static_cast<double>(z[2])) /
-                   (area * ray.direction_along);
+                   (area * direction_along);
   const auto rounded = static_cast<float>(t);
-  if (!(rounded >= ray.tmin && rounded <= tmax && rounded < std::numeric_limits<float>::infinity())) return false;
+  if (!(rounded >= tmin && rounded <= tmax && rounded < std::numeric_limits<float>::infinity())) return false;
   hit = {rounded, static_cast<float>(b / area), static_cast<float>(c / area)};
   return true;
 }
-
-}  // namespace detail
 
 /// True where the ray meets the triangle, from either side, at a finite t in [tmin, tmax]; edges and corners belong to it. A
 /// triangle seen edge-on or of no area is not met.
@@ -109,7 +101,13 @@ inline bool intersect(const ShearedRay& ray, const PackedTriangle& triangle, flo
   const bool some_negative = (_mm_movemask_ps(_mm_cmplt_ps(edges, zero)) & 7) != 0;
   const bool some_positive = (_mm_movemask_ps(_mm_cmpgt_ps(edges, zero)) & 7) != 0;
   if (some_negative && some_positive) return false;
-  return detail::finish_test(ray, x, y, z, tmax, hit);
+  alignas(16) std::array<float, 4> xs{};
+  alignas(16) std::array<float, 4> ys{};
+  alignas(16) std::array<float, 4> zs{};
+  _mm_store_ps(xs.data(), x);
+  _mm_store_ps(ys.data(), y);
+  _mm_store_ps(zs.data(), z);
+  return finish_test(xs.data(), ys.data(), zs.data(), ray.tmin, ray.direction_along, tmax, hit);
 }
 
 }  // namespace raystudy

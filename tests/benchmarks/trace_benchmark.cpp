@@ -1,10 +1,17 @@
-// Rays a second of the scalar tracer on a sweep-sah tree beside Embree, one thread. RAYSTUDY_BENCHMARK_SCENE names the scene
-// (default: sibenik-ogre where it is installed, else a procedural atrium of 80 000 triangles).
+// Rays a second, one thread: every pipeline of RAYSTUDY_BENCHMARK_PIPELINES on every workload, on the scene that
+// RAYSTUDY_BENCHMARK_SCENE names (default: sibenik-ogre where it is installed, else a procedural atrium of 80 000 triangles).
+// Pipelines are separated by commas, and written BUILDER+OPTIMIZER…+ENCODER/TRACER; each of these is NAME or NAME(key=value;…).
+//   RAYSTUDY_BENCHMARK_PIPELINES='sweep-sah+bvh8/wide,embree(quality=high)/embree(width=16)' trace_benchmark
+//     --benchmark_enable_random_interleaving=true --benchmark_repetitions=5 --benchmark_report_aggregates_only=true
 
 #include <benchmark/benchmark.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "harness/method/registry.h"
 #include "harness/run/oracle.h"
@@ -14,6 +21,47 @@ namespace raystudy {
 namespace {
 
 using Changes = std::map<std::string, ParamValue, std::less<>>;
+
+std::vector<std::string> split(std::string_view text, char separator) {
+  std::vector<std::string> parts;
+  while (!text.empty()) {
+    const std::size_t at = std::min(text.find(separator), text.size());
+    parts.emplace_back(text.substr(0, at));
+    text.remove_prefix(std::min(at + 1, text.size()));
+  }
+  return parts;
+}
+
+ParamValue value_of(const ParamSpec& spec, const std::string& text) {
+  switch (spec.type) {
+    case ParamType::boolean: return text == "true";
+    case ParamType::integer: return std::int64_t{std::stoll(text)};
+    case ParamType::real: return std::stod(text);
+    default: return text;
+  }
+}
+
+/// NAME or NAME(key=value;…) of any of the roles; the first that has the name.
+std::pair<Role, MethodRef> method(const std::string& text, std::initializer_list<Role> roles) {
+  const std::size_t open = text.find('(');
+  const std::string name = text.substr(0, open);
+  const Registry& registry = Registry::instance();
+  for (const Role role : roles) {
+    const Registry::Entry* entry = registry.find(role, name);
+    if (entry == nullptr) continue;
+    Changes changes;
+    if (open != std::string::npos) {
+      for (const std::string& change : split(text.substr(open + 1, text.size() - open - 2), ';')) {
+        const std::string key = change.substr(0, change.find('='));
+        for (const ParamSpec& spec : entry->info.params) {
+          if (spec.name == key) changes[key] = value_of(spec, change.substr(key.size() + 1));
+        }
+      }
+    }
+    return {role, registry.ref(role, name, std::move(changes))};
+  }
+  return {*roles.begin(), registry.ref(*roles.begin(), name)};  // throws, with the nearest name
+}
 
 Scene benchmark_scene() {
   if (const char* name = std::getenv("RAYSTUDY_BENCHMARK_SCENE")) return open_scene(name, 80000);
@@ -28,7 +76,7 @@ struct Setup {
   Scene scene = benchmark_scene();
   ReferenceTracer reference{scene, 1};
   std::map<std::string, RayBatch> batches;
-  std::map<std::string, std::unique_ptr<Accel>> accels;
+  std::map<std::string, std::shared_ptr<Accel>> accels;
 
   Setup() {
     const Registry& registry = Registry::instance();
@@ -40,12 +88,24 @@ struct Setup {
     for (const auto& [name, changes] : workloads) {
       batches[name] = registry.create<Workload>(registry.ref(Role::workload, name, changes))->generate(scene, context);
     }
-    const auto build = [&](const std::string& label, const std::string& name, const Changes& changes) {
-      accels[label] = registry.create<Builder>(registry.ref(Role::builder, name, changes))->build(scene, {});
-    };
-    build("sweep-sah", "sweep-sah", {});
-    build("embree", "embree", {});
-    build("embree-robust", "embree", {{"robust", true}});
+  }
+
+  std::shared_ptr<Accel> accel(const std::string& pipeline) {
+    std::shared_ptr<Accel>& made = accels[pipeline];
+    if (made) return made;
+    const Registry& registry = Registry::instance();
+    const BuildContext context;
+    for (const std::string& stage : split(pipeline, '+')) {
+      const auto [role, ref] = method(stage, {made ? Role::optimizer : Role::builder, Role::encoder});
+      if (role == Role::builder) {
+        made = registry.create<Builder>(ref)->build(scene, context);
+      } else if (role == Role::optimizer) {
+        registry.create<Optimizer>(ref)->optimize(dynamic_cast<Bvh2&>(*made), scene, context);
+      } else {
+        made = registry.create<Encoder>(ref)->encode(dynamic_cast<const Bvh2&>(*made), scene, context);
+      }
+    }
+    return made;
   }
 };
 
@@ -54,15 +114,22 @@ Setup& setup() {
   return made;
 }
 
-void trace(benchmark::State& state, const std::string& accel, const std::string& tracer, const Changes& changes,
-           const std::string& workload) {
+void trace(benchmark::State& state, const std::string& pipeline, const std::string& tracer, const std::string& workload) {
   const RayBatch& batch = setup().batches.at(workload);
-  const Registry& registry = Registry::instance();
-  const auto session = registry.create<Tracer>(registry.ref(Role::tracer, tracer, changes))
-                           ->prepare(*setup().accels.at(accel), setup().scene, 1, batch.coherent);
+  const auto accel = setup().accel(pipeline);
+  const auto session = Registry::instance()
+                           .create<Tracer>(method(tracer, {Role::tracer}).second)
+                           ->prepare(*accel, setup().scene, 1, batch.coherent);
   std::vector<Hit> hits(batch.rays.size());
   for (auto _ : state) session->trace(batch.rays, hits, batch.query);
   state.SetItemsProcessed(static_cast<std::int64_t>(batch.rays.size()) * state.iterations());
+  state.counters["B/tri"] = static_cast<double>(accel->bytes()) / static_cast<double>(setup().scene.triangles.size());
+  if (!session->counts()) return;
+  const TraceCounts counts = session->count(batch.rays, batch.query, {});
+  const auto per_ray = [&](std::uint64_t n) { return static_cast<double>(n) / static_cast<double>(batch.rays.size()); };
+  state.counters["inner"] = per_ray(counts.inner_nodes);
+  state.counters["leaves"] = per_ray(counts.leaves);
+  state.counters["tests"] = per_ray(counts.triangle_tests);
 }
 
 }  // namespace
@@ -70,19 +137,25 @@ void trace(benchmark::State& state, const std::string& accel, const std::string&
 
 int main(int argc, char** argv) {
   using raystudy::trace;
-  for (const std::string workload : {"primary", "random", "ambient-occlusion"}) {
-    const auto add = [&](const std::string& accel, const std::string& tracer, const raystudy::Changes& changes,
-                         const char* label) {
-      benchmark::RegisterBenchmark((workload + "/" + accel + "/" + label).c_str(), trace, accel, tracer, changes, workload)
-          ->Unit(benchmark::kMillisecond)
-          ->UseRealTime();
-    };
-    add("sweep-sah", "scalar", {}, "scalar");
-    add("embree", "embree", {}, "single");
-    add("embree", "embree", {{"width", std::string("16")}}, "packets-16");
-    add("embree-robust", "embree", {}, "single");
+  try {
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+    const char* named = std::getenv("RAYSTUDY_BENCHMARK_PIPELINES");
+    const std::string_view pipelines =
+        named != nullptr ? named : "sweep-sah/scalar,sweep-sah+bvh8/wide,embree(quality=high)/embree";
+    for (const std::string workload : {"primary", "random", "ambient-occlusion"}) {
+      for (const std::string& pipeline : raystudy::split(pipelines, ',')) {
+        const std::size_t slash = pipeline.rfind('/');
+        benchmark::RegisterBenchmark((workload + " " + pipeline).c_str(), trace, pipeline.substr(0, slash),
+                                     pipeline.substr(slash + 1), workload)
+            ->Unit(benchmark::kMillisecond)
+            ->UseRealTime();
+      }
+    }
+    benchmark::RunSpecifiedBenchmarks();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
   }
-  benchmark::Initialize(&argc, argv);
-  benchmark::RunSpecifiedBenchmarks();
   return 0;
 }

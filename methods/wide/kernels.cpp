@@ -1,0 +1,130 @@
+// One kernel a kind of node and an instruction set. Baseline and targets are chosen here and not by the compiler's flags, so that
+// a build for this very machine still holds the AVX2 kernels, and a build for any machine the AVX-512 ones.
+#undef HWY_COMPILE_ONLY_STATIC
+#ifdef __AVX2__
+#define HWY_BASELINE_TARGETS HWY_AVX2
+#else
+#define HWY_BASELINE_TARGETS HWY_SSE4
+#endif
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "methods/wide/kernels.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include "methods/wide/traverse-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raystudy::wide::HWY_NAMESPACE {
+
+struct NoCounter {
+  void inner() {}
+  void leaf() {}
+  void boxes(std::uint32_t) {}
+  void triangles(std::uint32_t) {}
+};
+
+struct RayCounter {
+  TraceCounts counts;
+  void inner() { ++counts.inner_nodes; }
+  void leaf() { ++counts.leaves; }
+  void boxes(std::uint32_t n) { counts.box_tests += n; }
+  void triangles(std::uint32_t n) { counts.triangle_tests += n; }
+};
+
+template <class Node>
+void trace(const Tree& tree, std::span<const Ray> rays, std::span<Hit> hits, Query query) {
+  NoCounter counter;
+  trace_rays<Node>(tree, rays, query, counter, [&](std::size_t i, const Hit& hit) { hits[i] = hit; });
+}
+
+template <class Node>
+TraceCounts count(const Tree& tree, std::span<const Ray> rays, Query query, std::span<std::uint32_t> steps) {
+  RayCounter counter;
+  std::uint64_t before = 0;
+  trace_rays<Node>(tree, rays, query, counter, [&](std::size_t i, const Hit&) {
+    const std::uint64_t now = counter.counts.traversal_steps();
+    if (!steps.empty()) steps[i] = static_cast<std::uint32_t>(now - before);
+    before = now;
+  });
+  return counter.counts;
+}
+
+Kernel kernel(const WideBvh& bvh) {
+  return bvh.visit([](const auto& nodes) {
+    using Node = std::remove_cvref_t<decltype(nodes[0])>;
+    return Kernel{trace<Node>, count<Node>};
+  });
+}
+
+}  // namespace raystudy::wide::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+#include "harness/base/error.h"
+
+namespace raystudy::wide {
+
+Tree::Tree(const WideBvh& bvh)
+    : nodes(bvh.visit([](const auto& all) { return static_cast<const void*>(all.data()); })),
+      corners(bvh.corners.data()),
+      triangles(bvh.triangles.data()),
+      slabs(bvh.bounds),
+      height(bvh.height) {}
+
+bool finish_triangle(const float* rows, std::uint32_t n, std::uint32_t i, std::uint32_t triangle, const WideRay& ray, float tmin,
+                     Hit& hit) {
+  std::array<float, 3> x{};
+  std::array<float, 3> y{};
+  std::array<float, 3> z{};
+  for (int corner = 0; corner < 3; ++corner) {
+    const auto c = static_cast<std::size_t>(corner);
+    const auto at = [&](int axis) { return rows[std::size_t{n} * static_cast<std::size_t>(3 * axis + corner) + i]; };
+    z[c] = at(ray.along) - ray.origin[2];
+    x[c] = (at(ray.across) - ray.origin[0]) - ray.shear_across * z[c];
+    y[c] = (at(ray.up) - ray.origin[1]) - ray.shear_up * z[c];
+  }
+  TriangleHit found;
+  if (!finish_test(x.data(), y.data(), z.data(), tmin, static_cast<double>(ray.direction_along), hit.t, found)) return false;
+  if (found.t == hit.t && hit.triangle < triangle) return false;
+  hit = {found.t, triangle, found.u, found.v};
+  return true;
+}
+
+namespace {
+
+#if HWY_TARGETS & HWY_AVX3
+constexpr std::int64_t avx512 = HWY_AVX3;
+#else
+constexpr std::int64_t avx512 = 0;
+#endif
+
+}  // namespace
+
+Kernel kernel_for(const WideBvh& bvh, Simd simd) {
+  const std::int64_t here = hwy::SupportedTargets();
+#if HWY_TARGETS & HWY_AVX3
+  if (simd == Simd::best && (here & HWY_AVX3) != 0) return N_AVX3::kernel(bvh);
+#endif
+#if HWY_TARGETS & HWY_AVX2
+  if ((here & HWY_AVX2) != 0) return N_AVX2::kernel(bvh);
+#endif
+  if (simd == Simd::avx2) throw Error("this processor has no AVX2; expected simd: auto");
+#if HWY_TARGETS & HWY_SSE4
+  return N_SSE4::kernel(bvh);
+#else
+  throw Error("this processor lacks the AVX2 that Raystudy was built for");
+#endif
+}
+
+std::string_view best_simd() {
+  const std::int64_t here = hwy::SupportedTargets();
+  if ((here & avx512) != 0) return "AVX-512";
+  return (here & HWY_AVX2) != 0 ? "AVX2" : "SSE4";
+}
+
+}  // namespace raystudy::wide
+
+#endif

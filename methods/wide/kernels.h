@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "harness/accel/wide_bvh.h"
+#include "harness/method/method.h"
+#include "methods/wide/wide_ray.h"
+
+namespace raystudy::wide {
+
+/// A WideBvh as its traversal sees it.
+struct Tree {
+  const void* nodes = nullptr;  ///< of the type that the kernel is for
+  const float* corners = nullptr;
+  const std::uint32_t* triangles = nullptr;
+  SlabScene slabs;
+  std::uint32_t height = 0;
+
+  explicit Tree(const WideBvh& bvh);
+};
+
+/// Decides a triangle that the signs of the rounded edge functions did not rule out: triangle `i` of the leaf of `n` at `rows`.
+/// Takes it into `hit` where it is nearer, or as near and of a lower index; true where it was.
+bool finish_triangle(const float* rows, std::uint32_t n, std::uint32_t i, std::uint32_t triangle, const WideRay& ray, float tmin,
+                     Hit& hit);
+
+/// The traversal of one kind of node in one instruction set.
+struct Kernel {
+  void (*trace)(const Tree& tree, std::span<const Ray> rays, std::span<Hit> hits, Query query);
+  TraceCounts (*count)(const Tree& tree, std::span<const Ray> rays, Query query, std::span<std::uint32_t> steps);
+};
+
+/// Vector instructions. `best` is what this processor has the most lanes of.
+enum class Simd : std::uint8_t { best, avx2 };
+
+/// Throws Error where the processor lacks `simd`.
+[[nodiscard]] Kernel kernel_for(const WideBvh& bvh, Simd simd);
+/// "AVX-512", "AVX2", "SSE4": what kernel_for(…, Simd::best) takes here.
+[[nodiscard]] std::string_view best_simd();
+
+}  // namespace raystudy::wide

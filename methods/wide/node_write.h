@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "harness/accel/wide_bvh.h"
+#include "harness/scene/scene.h"
+
+namespace raystudy::wide {
+
+/// Writes the boxes of a node's first slots; the other slots get empty boxes.
+template <int W>
+void set_boxes(WideNode<W>& node, std::span<const Box> boxes);
+/// The same on the finest grid of powers of two that holds them all; each plane is rounded away from its box.
+template <int W>
+void set_boxes(QuantizedNode<W>& node, std::span<const Box> boxes);
+
+/// Appends a leaf of 1 to 16 triangles with their corners (before the padding is there) and returns the slot's content. Throws
+/// Error past the 2^27 triangles a tree can hold.
+std::uint32_t append_leaf(WideBvh& bvh, const Scene& scene, std::span<const std::uint32_t> triangles);
+
+}  // namespace raystudy::wide

@@ -1,0 +1,262 @@
+// Traversal of wide trees, compiled once for each instruction set (Highway's foreach_target): no include guard in the usual
+// sense.
+
+#if defined(RAYSTUDY_WIDE_TRAVERSE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAYSTUDY_WIDE_TRAVERSE_INL_H_
+#undef RAYSTUDY_WIDE_TRAVERSE_INL_H_
+#else
+#define RAYSTUDY_WIDE_TRAVERSE_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "harness/accel/wide_bvh.h"
+#include "harness/geometry/watertight.h"
+#include "methods/wide/kernels.h"
+#include "methods/wide/wide_ray.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raystudy::wide::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Lanes of a vector over `n` slots: n, or as many as the instruction set has.
+template <int n>
+using FloatsOf = hn::CappedTag<float, n>;
+
+template <class D, class M>
+HWY_INLINE unsigned mask_bits(D d, M mask) {
+  std::array<std::uint8_t, 8> bytes{};
+  hn::StoreMaskBits(d, mask, bytes.data());
+  unsigned bits = 0;
+  __builtin_memcpy(&bits, bytes.data(), sizeof(bits));
+  return bits;
+}
+
+/// A ray's slab constants in all lanes, and where the near planes of each axis lie in a node.
+template <class D>
+struct SlabVectors {
+  using V = hn::Vec<D>;
+  V rx, ry, rz, nx, ny, nz, fx, fy, fz;
+  std::size_t x, y, z;
+
+  HWY_INLINE SlabVectors(D d, const WideRay& ray)
+      : rx(hn::Set(d, ray.reciprocal[0])),
+        ry(hn::Set(d, ray.reciprocal[1])),
+        rz(hn::Set(d, ray.reciprocal[2])),
+        nx(hn::Set(d, ray.near_offset[0])),
+        ny(hn::Set(d, ray.near_offset[1])),
+        nz(hn::Set(d, ray.near_offset[2])),
+        fx(hn::Set(d, ray.far_offset[0])),
+        fy(hn::Set(d, ray.far_offset[1])),
+        fz(hn::Set(d, ray.far_offset[2])),
+        x(ray.near_plane[0]),
+        y(ray.near_plane[1]),
+        z(ray.near_plane[2]) {}
+};
+
+/// Tests all boxes of a node: bit i tells that box i is met within [tmin, tmax] of the boxes' t, near[i] where it is entered.
+template <class D, int W>
+HWY_INLINE unsigned test_node(D d, const WideNode<W>& node, const SlabVectors<D>& ray, hn::Vec<D> tmin, hn::Vec<D> tmax,
+                              float* near) {
+  unsigned bits = 0;
+  for (std::size_t lane = 0; lane < W; lane += hn::Lanes(d)) {
+    const auto plane = [&](std::size_t axis, std::size_t side) { return hn::Load(d, node.bounds[axis][side].data() + lane); };
+    const auto enter_x = hn::MulSub(plane(0, ray.x), ray.rx, ray.nx);
+    const auto enter_y = hn::MulSub(plane(1, ray.y), ray.ry, ray.ny);
+    const auto enter_z = hn::MulSub(plane(2, ray.z), ray.rz, ray.nz);
+    const auto leave_x = hn::MulSub(plane(0, 1 - ray.x), ray.rx, ray.fx);
+    const auto leave_y = hn::MulSub(plane(1, 1 - ray.y), ray.ry, ray.fy);
+    const auto leave_z = hn::MulSub(plane(2, 1 - ray.z), ray.rz, ray.fz);
+    const auto enter = hn::Max(hn::Max(enter_x, enter_y), hn::Max(enter_z, tmin));
+    const auto leave = hn::Min(hn::Min(leave_x, leave_y), hn::Min(leave_z, tmax));
+    hn::Store(enter, d, near + lane);
+    bits |= mask_bits(d, hn::Le(enter, leave)) << lane;
+  }
+  return bits;
+}
+
+/// The 8-bit planes on a node's own grid: with the scale a power of two, plane · scale · reciprocal is exact but for one
+/// rounding.
+template <class D, int W>
+HWY_INLINE unsigned test_node(D d, const QuantizedNode<W>& node, const SlabVectors<D>& ray, hn::Vec<D> tmin, hn::Vec<D> tmax,
+                              float* near) {
+  const hn::Rebind<std::uint8_t, D> d8;
+  const hn::Rebind<std::int32_t, D> d32;
+  const auto sx = hn::Mul(ray.rx, hn::Set(d, node.scale(0)));
+  const auto sy = hn::Mul(ray.ry, hn::Set(d, node.scale(1)));
+  const auto sz = hn::Mul(ray.rz, hn::Set(d, node.scale(2)));
+  const auto ox = hn::Set(d, node.origin[0]);
+  const auto oy = hn::Set(d, node.origin[1]);
+  const auto oz = hn::Set(d, node.origin[2]);
+  const auto nx = hn::MulSub(ox, ray.rx, ray.nx);
+  const auto ny = hn::MulSub(oy, ray.ry, ray.ny);
+  const auto nz = hn::MulSub(oz, ray.rz, ray.nz);
+  const auto fx = hn::MulSub(ox, ray.rx, ray.fx);
+  const auto fy = hn::MulSub(oy, ray.ry, ray.fy);
+  const auto fz = hn::MulSub(oz, ray.rz, ray.fz);
+  unsigned bits = 0;
+  for (std::size_t lane = 0; lane < W; lane += hn::Lanes(d)) {
+    const auto plane = [&](std::size_t axis, std::size_t side) {
+      return hn::ConvertTo(d, hn::PromoteTo(d32, hn::LoadU(d8, node.bounds[axis][side].data() + lane)));
+    };
+    const auto enter_x = hn::MulAdd(plane(0, ray.x), sx, nx);
+    const auto enter_y = hn::MulAdd(plane(1, ray.y), sy, ny);
+    const auto enter_z = hn::MulAdd(plane(2, ray.z), sz, nz);
+    const auto leave_x = hn::MulAdd(plane(0, 1 - ray.x), sx, fx);
+    const auto leave_y = hn::MulAdd(plane(1, 1 - ray.y), sy, fy);
+    const auto leave_z = hn::MulAdd(plane(2, 1 - ray.z), sz, fz);
+    const auto enter = hn::Max(hn::Max(enter_x, enter_y), hn::Max(enter_z, tmin));
+    const auto leave = hn::Min(hn::Min(leave_x, leave_y), hn::Min(leave_z, tmax));
+    hn::Store(enter, d, near + lane);
+    bits |= mask_bits(d, hn::Le(enter, leave)) << lane;
+  }
+  return bits & ((1U << static_cast<unsigned>(node.used())) - 1U);
+}
+
+/// A ray's constants of the watertight test in all lanes.
+template <class D>
+struct ShearVectors {
+  using V = hn::Vec<D>;
+  V ox, oy, oz, sx, sy;
+
+  HWY_INLINE ShearVectors(D d, const WideRay& ray)
+      : ox(hn::Set(d, ray.origin[0])),
+        oy(hn::Set(d, ray.origin[1])),
+        oz(hn::Set(d, ray.origin[2])),
+        sx(hn::Set(d, ray.shear_across)),
+        sy(hn::Set(d, ray.shear_up)) {}
+};
+
+/// Tests a leaf's triangles, as many at a time as a vector has lanes, by the signs of the edge functions (watertight.h); the few
+/// that are left are decided one by one, with the very roundings of the scalar test. True where a nearer hit was found.
+template <class D>
+HWY_INLINE bool test_leaf(D d, const Tree& tree, std::uint32_t child, const WideRay& ray, const ShearVectors<D>& shear,
+                          float tmin, Hit& hit) {
+  const std::uint32_t first = WideChild::first(child);
+  const std::uint32_t n = WideChild::count(child);
+  const float* const rows = tree.corners + std::size_t{9} * first;
+  bool nearer = false;
+  for (std::uint32_t begin = 0; begin < n; begin += static_cast<std::uint32_t>(hn::Lanes(d))) {
+    const auto row = [&](int axis, int corner) {
+      return hn::LoadU(d, rows + begin + std::size_t{n} * static_cast<std::size_t>(3 * axis + corner));
+    };
+    const auto az = hn::Sub(row(ray.along, 0), shear.oz);
+    const auto bz = hn::Sub(row(ray.along, 1), shear.oz);
+    const auto cz = hn::Sub(row(ray.along, 2), shear.oz);
+    const auto ax = hn::Sub(hn::Sub(row(ray.across, 0), shear.ox), hn::Mul(shear.sx, az));
+    const auto bx = hn::Sub(hn::Sub(row(ray.across, 1), shear.ox), hn::Mul(shear.sx, bz));
+    const auto cx = hn::Sub(hn::Sub(row(ray.across, 2), shear.ox), hn::Mul(shear.sx, cz));
+    const auto ay = hn::Sub(hn::Sub(row(ray.up, 0), shear.oy), hn::Mul(shear.sy, az));
+    const auto by = hn::Sub(hn::Sub(row(ray.up, 1), shear.oy), hn::Mul(shear.sy, bz));
+    const auto cy = hn::Sub(hn::Sub(row(ray.up, 2), shear.oy), hn::Mul(shear.sy, cz));
+    const auto u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
+    const auto v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
+    const auto w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
+    const auto zero = hn::Zero(d);
+    const auto negative = hn::Or(hn::Or(hn::Lt(u, zero), hn::Lt(v, zero)), hn::Lt(w, zero));
+    const auto positive = hn::Or(hn::Or(hn::Gt(u, zero), hn::Gt(v, zero)), hn::Gt(w, zero));
+    unsigned candidates =
+        ~mask_bits(d, hn::And(negative, positive)) & ((1U << std::min<std::uint32_t>(n - begin, hn::Lanes(d))) - 1U);
+    while (candidates != 0) {
+      const auto i = begin + static_cast<std::uint32_t>(std::countr_zero(candidates));
+      candidates &= candidates - 1;
+      nearer |= finish_triangle(rows, n, i, tree.triangles[first + i], ray, tmin, hit);
+    }
+  }
+  return nearer;
+}
+
+/// Children that wait for their turn.
+struct Pending {
+  std::uint32_t child;
+  float near;
+};
+
+/// Ordered traversal: the nearest child next, the others on the stack, and what waits there is dropped once a nearer hit is
+/// known.
+template <class Node, bool any, class Counter>
+HWY_INLINE Hit trace_one(const Tree& tree, const Ray& input, Pending* const stack, Counter& counter) {
+  constexpr int W = Node::width;
+  const FloatsOf<W> d;
+  const FloatsOf<8> d_leaf;
+  const WideRay ray(input, tree.slabs);
+  if (!ray.valid) return {};
+  const SlabVectors<FloatsOf<W>> slabs(d, ray);
+  const ShearVectors<FloatsOf<8>> shear(d_leaf, ray);
+  const auto* const nodes = static_cast<const Node*>(tree.nodes);
+  const auto tmin = hn::Set(d, ray.scaled(input.tmin));
+  Hit hit;
+  hit.t = input.tmax;
+  auto tmax = hn::Set(d, ray.scaled(hit.t));
+  float farthest = ray.scaled(hit.t);
+  Pending* top = stack;
+  std::uint32_t child = 0;
+  while (true) {
+    if (!WideChild::is_leaf(child)) {
+      const Node& node = nodes[child];
+      counter.inner();
+      counter.boxes(W);
+      HWY_ALIGN std::array<float, W> near;
+      unsigned met = test_node(d, node, slabs, tmin, tmax, near.data());
+      if (met != 0) {
+        auto i = static_cast<std::size_t>(std::countr_zero(met));
+        met &= met - 1;
+        child = node.child[i];
+        if (met == 0) continue;
+        if constexpr (any) {
+          for (; met != 0; met &= met - 1) *top++ = {node.child[static_cast<std::size_t>(std::countr_zero(met))], 0};
+        } else {
+          float nearest = near[i];
+          Pending* const base = top;
+          do {
+            i = static_cast<std::size_t>(std::countr_zero(met));
+            met &= met - 1;
+            Pending next{node.child[i], near[i]};
+            if (next.near < nearest) {
+              std::swap(next.child, child);
+              std::swap(next.near, nearest);
+            }
+            Pending* at = top++;
+            for (; at > base && at[-1].near < next.near; --at) *at = at[-1];
+            *at = next;
+          } while (met != 0);
+        }
+        continue;
+      }
+    } else {
+      counter.leaf();
+      counter.triangles(WideChild::count(child));
+      if (test_leaf(d_leaf, tree, child, ray, shear, input.tmin, hit)) {
+        if constexpr (any) return hit;
+        farthest = ray.scaled(hit.t);
+        tmax = hn::Set(d, farthest);
+      }
+    }
+    do {
+      if (top == stack) return hit.is_hit() ? hit : Hit{};
+      --top;
+    } while (!any && top->near > farthest);
+    child = top->child;
+  }
+}
+
+template <class Node, class Counter, class Write>
+HWY_INLINE void trace_rays(const Tree& tree, std::span<const Ray> rays, Query query, Counter& counter, Write&& write) {
+  std::vector<Pending> stack(std::size_t{tree.height} * (Node::width - 1) + 1);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Hit hit = query == Query::any_hit ? trace_one<Node, true>(tree, rays[i], stack.data(), counter)
+                                            : trace_one<Node, false>(tree, rays[i], stack.data(), counter);
+    write(i, hit);
+  }
+}
+
+}  // namespace raystudy::wide::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

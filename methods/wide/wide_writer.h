@@ -1,0 +1,154 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "harness/accel/bvh2.h"
+#include "harness/accel/wide_bvh.h"
+#include "harness/scene/scene.h"
+#include "methods/wide/node_write.h"
+
+namespace raystudy::wide {
+
+/// Writes the wide tree that `collapse` (OptimalCollapse or GreedyCollapse) found in a binary one: nodes depth first, the
+/// children of a node by descending measure, and the triangles of its leaves next to each other in the same order.
+template <class Node, class Collapse>
+class WideWriter {
+ public:
+  WideWriter(const Bvh2& bvh, const Scene& scene, const Collapse& collapse)
+      : bvh_(bvh), scene_(scene), collapse_(collapse), duplicates_(bvh.triangles.size() > scene.triangles.size()) {}
+
+  void write(WideBvh& out) {
+    out_ = &out;
+    auto& nodes = out.nodes.template emplace<WideBvh::NodeArray<Node>>();
+    if (bvh_.empty()) return;
+    out.bounds = bvh_.nodes[0].box;
+    out.triangles.reserve(bvh_.triangles.size());
+    out.corners.reserve(9 * bvh_.triangles.size() + WideBvh::padding);
+    nodes.reserve(bvh_.nodes.size() / (Node::width / 2));
+    std::vector<Pending> pending{{root(), no_slot, 0, 1}};
+    while (!pending.empty()) {
+      const Pending next = pending.back();
+      pending.pop_back();
+      const auto index = static_cast<std::uint32_t>(nodes.size());
+      if (next.parent != no_slot) nodes[next.parent].child[next.slot] = index;
+      out.height = std::max(out.height, next.depth);
+      nodes.emplace_back();
+      write_node(nodes[index], next, index, pending);
+    }
+    out.corners.resize(9 * out.triangles.size() + WideBvh::padding, 0.0F);
+  }
+
+ private:
+  static constexpr std::uint32_t no_slot = 0xffffffffU;
+  static constexpr std::size_t width = Node::width;
+
+  /// A node of the binary tree, or a part of a leaf of it that holds more triangles than a wide leaf may.
+  struct Part {
+    std::uint32_t node = 0;
+    std::uint32_t begin = 0;  ///< of a part of a leaf, in Bvh2::triangles
+    std::uint32_t count = 0;  ///< 0: the whole node
+    bool leaf = false;
+    float measure = 0;
+  };
+
+  struct Pending {
+    Part part;
+    std::uint32_t parent;
+    std::uint32_t slot;
+    std::uint32_t depth;
+  };
+
+  [[nodiscard]] Part whole(std::uint32_t n) const {
+    const Bvh2Node& node = bvh_.nodes[n];
+    if (node.is_leaf() && node.count > WideChild::most_in_leaf) return {n, node.first, node.count, false, collapse_.measure(n)};
+    return {n, 0, 0, collapse_.is_leaf(n), collapse_.measure(n)};
+  }
+
+  /// The root as an inner node, be it a leaf or not.
+  [[nodiscard]] Part root() const {
+    Part part = whole(0);
+    if (part.leaf) part.count = 0;
+    return part;
+  }
+
+  void write_node(Node& node, const Pending& at, std::uint32_t index, std::vector<Pending>& pending) {
+    std::array<Part, width> parts;
+    const std::uint32_t count = children(at.part, parts);
+    std::stable_sort(parts.begin(), parts.begin() + count, [](const Part& a, const Part& b) { return a.measure > b.measure; });
+    std::array<Box, width> boxes;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      boxes[i] = bvh_.nodes[parts[i].node].box;
+      node.child[i] = parts[i].leaf ? write_leaf(parts[i]) : 0;
+    }
+    for (std::size_t i = count; i < width; ++i) node.child[i] = WideChild::none;
+    set_boxes(node, {boxes.data(), count});
+    for (std::uint32_t i = count; i-- > 0;) {
+      if (!parts[i].leaf) pending.push_back({parts[i], index, i, at.depth + 1});
+    }
+  }
+
+  std::uint32_t children(const Part& part, std::array<Part, width>& out) const {
+    if (part.leaf) {  // only the root
+      out[0] = part;
+      return 1;
+    }
+    if (part.count > 0) return divide_leaf(part, out);
+    std::array<std::uint32_t, width> nodes;
+    const std::uint32_t count = collapse_.children(part.node, nodes);
+    for (std::uint32_t i = 0; i < count; ++i) out[i] = whole(nodes[i]);
+    return count;
+  }
+
+  std::uint32_t divide_leaf(const Part& part, std::array<Part, width>& out) const {
+    const std::uint32_t leaves = (part.count + WideChild::most_in_leaf - 1) / WideChild::most_in_leaf;
+    const std::uint32_t parts = std::min<std::uint32_t>(leaves, width);
+    for (std::uint32_t i = 0; i < parts; ++i) {
+      const auto from = static_cast<std::uint32_t>(std::uint64_t{part.count} * i / parts);
+      const auto to = static_cast<std::uint32_t>(std::uint64_t{part.count} * (i + 1) / parts);
+      out[i] = {part.node, part.begin + from, to - from, to - from <= WideChild::most_in_leaf, part.measure};
+    }
+    return parts;
+  }
+
+  std::uint32_t write_leaf(const Part& part) {
+    std::array<std::uint32_t, WideChild::most_in_leaf> ids;
+    std::uint32_t n = part.count;
+    if (n > 0) {
+      std::copy_n(bvh_.triangles.begin() + part.begin, n, ids.begin());
+    } else {
+      n = gather(part.node, ids);
+    }
+    // Where triangles are referred to twice, a joined leaf needs each of them once.
+    if (duplicates_) {
+      std::sort(ids.begin(), ids.begin() + n);
+      n = static_cast<std::uint32_t>(std::unique(ids.begin(), ids.begin() + n) - ids.begin());
+    }
+    return append_leaf(*out_, scene_, {ids.data(), n});
+  }
+
+  std::uint32_t gather(std::uint32_t top, std::array<std::uint32_t, WideChild::most_in_leaf>& ids) const {
+    std::uint32_t n = 0;
+    std::array<std::uint32_t, WideChild::most_in_leaf + 1> stack{top};
+    for (std::size_t size = 1; size > 0;) {
+      const Bvh2Node& node = bvh_.nodes[stack[--size]];
+      if (node.is_leaf()) {
+        for (std::uint32_t i = node.first; i < node.first + node.count; ++i) ids[n++] = bvh_.triangles[i];
+      } else {
+        stack[size++] = node.first + 1;
+        stack[size++] = node.first;
+      }
+    }
+    return n;
+  }
+
+  const Bvh2& bvh_;
+  const Scene& scene_;
+  const Collapse& collapse_;
+  bool duplicates_;
+  WideBvh* out_ = nullptr;
+};
+
+}  // namespace raystudy::wide
