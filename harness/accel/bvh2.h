@@ -26,12 +26,16 @@ static_assert(sizeof(Bvh2Node) == 32);
 /// nodes[0] is the root and nodes[1] is padding, so that each pair of siblings begins at an even index and fills one 64-byte
 /// cache line. A tree over no triangles has no nodes. A tree of one leaf has nodes.size() == 2. Slots that no parent refers to
 /// are not allowed apart from nodes[1]: nodes.size() == 2 · leaf count.
+///
+/// With `duplicates` a triangle may be in several leaves (spatial splits), in each at most once. A leaf's box then need not hold
+/// the whole of its triangles: of each triangle, the boxes of all the leaves that it is in cover every point.
 class Bvh2 final : public Accel {
  public:
   static constexpr std::string_view kind_name = "bvh2";
 
   AlignedVector<Bvh2Node> nodes;         ///< 64-byte aligned
   std::vector<std::uint32_t> triangles;  ///< indices into Scene::triangles, leaf by leaf
+  bool duplicates = false;               ///< set by what makes the tree; stays when leaves move whole
 
   [[nodiscard]] std::string_view kind() const override { return kind_name; }
   [[nodiscard]] std::size_t bytes() const override {

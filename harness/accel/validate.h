@@ -9,10 +9,10 @@
 namespace raystudy {
 
 /// What is wrong with a tree over `scene`, at most `most` findings, in words; empty for a valid one. Checks the layout Bvh2
-/// promises, that every triangle is in exactly one leaf (or, with `duplicates`, in at least one), that each box contains its
-/// children's and a leaf's box its triangles' (not with `duplicates`, where a leaf may hold a clipped part), that no slot is
-/// unused, and that every inner node's box is exactly the union of its children's.
-[[nodiscard]] std::vector<std::string> find_problems(const Bvh2& bvh, const Scene& scene, bool duplicates = false,
-                                                     std::size_t most = 8);
+/// promises, that no slot is unused, that every inner node's box is exactly the union of its children's, that every triangle is
+/// in exactly one leaf, and that a leaf's box contains its triangles'. Where `bvh.duplicates` allows a triangle in several
+/// leaves: that it is in each once, that each of their boxes meets its box, and that together they cover the whole triangle
+/// (coverage.h).
+[[nodiscard]] std::vector<std::string> find_problems(const Bvh2& bvh, const Scene& scene, std::size_t most = 8);
 
 }  // namespace raystudy

@@ -35,6 +35,11 @@ struct Box {
     return lower.x <= b.lower.x && lower.y <= b.lower.y && lower.z <= b.lower.z && b.upper.x <= upper.x && b.upper.y <= upper.y &&
            b.upper.z <= upper.z;
   }
+  /// Whether the closed boxes have a point in common.
+  [[nodiscard]] constexpr bool overlaps(const Box& b) const {
+    return lower.x <= b.upper.x && b.lower.x <= upper.x && lower.y <= b.upper.y && b.lower.y <= upper.y && lower.z <= b.upper.z &&
+           b.lower.z <= upper.z;
+  }
   [[nodiscard]] int longest_axis() const {
     const Vec3 e = extent();
     if (e.x >= e.y && e.x >= e.z) return 0;

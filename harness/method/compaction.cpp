@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <utility>
 #include <vector>
+
+#include "harness/accel/distinct_triangles.h"
 
 namespace raystudy {
 namespace {
@@ -16,7 +19,7 @@ class Collapse {
       : bvh_(bvh), model_(model), max_leaf_triangles_(max_leaf_triangles) {
     measure();
     costs_.resize(bvh.nodes.size());
-    triangles_.resize(bvh.nodes.size());
+    triangles_ = distinct_triangles(bvh);
     collapses_.resize(bvh.nodes.size());
     list_nodes();
     for (const std::uint32_t node : order_) visit(node);
@@ -50,7 +53,6 @@ class Collapse {
   void visit(std::uint32_t i) {
     const Bvh2Node& node = bvh_.nodes[i];
     const auto m = static_cast<double>(measures_[i]);
-    triangles_[i] = node.is_leaf() ? node.count : triangles_[node.first] + triangles_[node.first + 1];
     const double leaf = static_cast<double>(model_.intersection) * m * triangles_[i];
     if (node.is_leaf()) {
       costs_[i] = leaf;
@@ -75,9 +77,12 @@ class Collapse {
 /// Copies what remains of a tree, depth first.
 class Writer {
  public:
-  Writer(const Bvh2& from, const Collapse& collapse) : from_(from), collapse_(collapse) {}
+  Writer(const Bvh2& from, const Collapse& collapse) : from_(from), collapse_(collapse) {
+    if (from.duplicates) last_leaf_.assign(triangle_limit(from), std::numeric_limits<std::uint32_t>::max());
+  }
 
   Bvh2 write() {
+    to_.duplicates = from_.duplicates;
     to_.nodes.resize(2);
     to_.triangles.reserve(from_.triangles.size());
     struct Task {
@@ -91,7 +96,7 @@ class Writer {
       const Bvh2Node& node = from_.nodes[source];
       if (node.is_leaf() || collapse_.collapses(source)) {
         const auto first = static_cast<std::uint32_t>(to_.triangles.size());
-        append_triangles(source);
+        append_triangles(source, target);
         to_.nodes[target] = {node.box, first, static_cast<std::uint32_t>(to_.triangles.size()) - first};
         continue;
       }
@@ -105,14 +110,18 @@ class Writer {
   }
 
  private:
-  void append_triangles(std::uint32_t root) {
+  /// The triangles under `root`, each once.
+  void append_triangles(std::uint32_t root, std::uint32_t target) {
     std::vector<std::uint32_t> stack{root};
     while (!stack.empty()) {
       const Bvh2Node& node = from_.nodes[stack.back()];
       stack.pop_back();
       if (node.is_leaf()) {
-        const auto first = from_.triangles.begin() + static_cast<std::ptrdiff_t>(node.first);
-        to_.triangles.insert(to_.triangles.end(), first, first + static_cast<std::ptrdiff_t>(node.count));
+        for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+          const std::uint32_t triangle = from_.triangles[i];
+          if (from_.duplicates && std::exchange(last_leaf_[triangle], target) == target) continue;
+          to_.triangles.push_back(triangle);
+        }
       } else {
         stack.push_back(node.first + 1);
         stack.push_back(node.first);
@@ -123,6 +132,7 @@ class Writer {
   const Bvh2& from_;
   const Collapse& collapse_;
   Bvh2 to_;
+  std::vector<std::uint32_t> last_leaf_;  ///< of each triangle the last leaf it was written to, with duplicates
 };
 
 }  // namespace

@@ -56,6 +56,21 @@ TEST(Compaction, MakesNoLeafAboveTheLimit) {
   EXPECT_EQ(bvh.nodes.size(), 4U);
 }
 
+TEST(Compaction, CountsATriangleOfSeveralLeavesOnce) {
+  // One triangle in both halves: as a tree 27, as a leaf 2 * 5 * 1 = 10.
+  Bvh2 bvh = two_cubes();
+  bvh.triangles = {7, 7};
+  bvh.duplicates = true;
+  EXPECT_DOUBLE_EQ(compacted_cost(bvh, {}), 2);
+  // One triangle is no more than a leaf of one may hold.
+  compact(bvh, {}, 1);
+  ASSERT_EQ(bvh.nodes.size(), 2U);
+  EXPECT_EQ(bvh.nodes[0].count, 1U);
+  EXPECT_THAT(bvh.triangles, testing::ElementsAre(7));
+  EXPECT_TRUE(bvh.duplicates);
+  EXPECT_DOUBLE_EQ(tree_cost(bvh, {}), 2);
+}
+
 TEST(Compaction, OfTrivialTrees) {
   Bvh2 empty;
   compact(empty, {});
