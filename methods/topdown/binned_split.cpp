@@ -12,62 +12,65 @@ BinnedSplitter::BinnedSplitter(const Measure& measure, std::uint32_t bins, int t
       bins_((bins + 3) / 4 * 4),
       odd_((bins + 3) / 4 * 4),
       left_(bins_.boxes.size()),
-      right_(bins_.boxes.size()) {}
+      right_(bins_.boxes.size() + 1) {}
 
 void BinnedSplitter::Bins::clear(std::uint32_t row) {
-  const Float4 d;
   const WideBox empty = WideBox::empty();
-  for (std::size_t i = 0; i < std::size_t{3} * row; ++i) {
-    auto* p = reinterpret_cast<float*>(&boxes[i]);
-    hn::Store(empty.lower, d, p);
-    hn::Store(empty.upper, d, p + 4);
-  }
+  for (std::size_t i = 0; i < std::size_t{3} * row; ++i) empty.store(boxes[i]);
   std::fill_n(counts.begin(), std::size_t{3} * row, 0);
 }
 
 void BinnedSplitter::Bins::merge(const Bins& other, std::uint32_t row) {
   for (std::size_t i = 0; i < std::size_t{3} * row; ++i) {
-    const WideBox box = united(WideBox::of(boxes[i]), WideBox::of(other.boxes[i]));
-    auto* p = reinterpret_cast<float*>(&boxes[i]);
-    hn::Store(box.lower, Float4(), p);
-    hn::Store(box.upper, Float4(), p + 4);
+    united(WideBox::of(boxes[i]), WideBox::of(other.boxes[i])).store(boxes[i]);
     counts[i] += other.counts[i];
   }
 }
 
-BinnedSplitter::Binning::Binning(const NodeBounds& bounds, std::uint32_t bins, std::uint32_t row)
-    : origin_(bounds.centers.lower), last_(hn::Set(Int4(), static_cast<std::int32_t>(bins) - 1)) {
+BinnedSplitter::Binning::Binning(const NodeBounds& bounds, std::uint32_t bins)
+    : origin(bounds.first_center), last(hn::Set(Float4(), static_cast<float>(bins) - 1)) {
   const Float4 d;
-  const auto extent = hn::Sub(bounds.centers.upper, bounds.centers.lower);
-  const auto some = hn::Gt(extent, hn::Zero(d));
-  scale_ = hn::IfThenElseZero(some, hn::Div(hn::Set(d, static_cast<float>(bins)), extent));
-  row_ = hn::Mul(hn::Iota(Int4(), 0), hn::Set(Int4(), static_cast<std::int32_t>(row)));
+  const auto extent = hn::Sub(bounds.last_center, bounds.first_center);
+  const auto some = hn::And(hn::Gt(extent, hn::Zero(d)), hn::FirstN(d, 3));
+  scale = hn::IfThenElseZero(some, hn::Div(hn::Set(d, static_cast<float>(bins)), extent));
+  // The fourth lane of a record looks like a denormal number, and to multiply those is very slow; a 1 takes it away.
+  origin = hn::IfThenElse(hn::FirstN(d, 3), origin, hn::Set(d, 1.0F));
+}
+
+BinnedSplitter::Binning::OnAxis BinnedSplitter::Binning::on_axis(int axis) const {
+  const Float4 d;
+  alignas(16) float origins[4];
+  alignas(16) float scales[4];
+  hn::Store(origin, d, origins);
+  hn::Store(scale, d, scales);
+  return {axis, origins[axis], scales[axis], hn::GetLane(last)};
 }
 
 namespace {
 
 /// Pointers of their own: of vectors behind a reference the compiler would have to fear that a store changes them.
 struct BinPointers {
-  BoxRecord* boxes;
-  std::uint32_t* counts;
+  BoxRecord* boxes[3];
+  std::int32_t* counts[3];
+
+  BinPointers(std::span<BoxRecord> b, std::span<std::int32_t> c, std::size_t row)
+      : boxes{b.data(), b.data() + row, b.data() + 2 * row}, counts{c.data(), c.data() + row, c.data() + 2 * row} {}
 
   void add(const WideBox& box, hn::Vec<Int4> bins) const {
-    const Float4 d;
     alignas(16) std::int32_t at[4];
     hn::Store(bins, Int4(), at);
     for (int axis = 0; axis < 3; ++axis) {
-      auto* p = reinterpret_cast<float*>(boxes + at[axis]);
-      hn::Store(hn::Min(hn::Load(d, p), box.lower), d, p);
-      hn::Store(hn::Max(hn::Load(d, p + 4), box.upper), d, p + 4);
-      ++counts[at[axis]];
+      BoxRecord& bin = boxes[axis][at[axis]];
+      united(WideBox::of(bin), box).store(bin);
+      ++counts[axis][at[axis]];
     }
   }
 };
 
 }  // namespace
 
-void BinnedSplitter::fill(Bins& bins, std::span<const BoxRecord> records, const Binning& by_value) {
-  const BinPointers to{bins.boxes.data(), bins.counts.data()};
+void BinnedSplitter::fill(Bins& bins, std::uint32_t row, std::span<const BoxRecord> records, const Binning& by_value) {
+  const BinPointers to(bins.boxes, bins.counts, row);
   const Binning binning = by_value;
   for (const BoxRecord& record : records) {
     const WideBox box = WideBox::of(record);
@@ -77,8 +80,8 @@ void BinnedSplitter::fill(Bins& bins, std::span<const BoxRecord> records, const 
 
 void BinnedSplitter::fill_alternating(std::span<const BoxRecord> records, const Binning& by_value) {
   // Neighbours often share a bin, and the second then waits for the first's stores; with two sets of bins it does not.
-  const BinPointers even{bins_.boxes.data(), bins_.counts.data()};
-  const BinPointers odd{odd_.boxes.data(), odd_.counts.data()};
+  const BinPointers even(bins_.boxes, bins_.counts, row_);
+  const BinPointers odd(odd_.boxes, odd_.counts, row_);
   const Binning binning = by_value;
   odd_.clear(row_);
   std::size_t i = 0;
@@ -88,7 +91,7 @@ void BinnedSplitter::fill_alternating(std::span<const BoxRecord> records, const 
     even.add(a, binning(a));
     odd.add(b, binning(b));
   }
-  fill(bins_, records.subspan(i), binning);
+  fill(bins_, row_, records.subspan(i), binning);
   bins_.merge(odd_, row_);
 }
 
@@ -96,7 +99,7 @@ void BinnedSplitter::fill_shared(std::span<const BoxRecord> records, const Binni
   const auto parts = pass_in_blocks(records, threads_, [&](std::span<const BoxRecord> part) {
     auto bins = std::make_unique<Bins>(row_);
     bins->clear(row_);
-    fill(*bins, part, binning);
+    fill(*bins, row_, part, binning);
     return bins;
   });
   bins_.clear(row_);
@@ -136,32 +139,52 @@ void BinnedSplitter::measure_sides() {
 }
 
 BinnedSplitter::Choice BinnedSplitter::best_choice(std::int32_t n) const {
-  Choice best;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::size_t row = static_cast<std::size_t>(axis) * row_;
-    const std::uint32_t* counts = &bins_.counts[row];
-    const float* lefts = &left_[row];
-    const float* rights = &right_[row];
-    std::int32_t left = 0;
-    for (std::uint32_t i = 1; i < count_; ++i) {
-      left += static_cast<std::int32_t>(counts[i - 1]);
-      const std::int32_t right = n - left;
-      // One side is empty: 0 times the measure of the empty box is no cost.
-      const float cost = lefts[i - 1] * static_cast<float>(left) + rights[i] * static_cast<float>(right);
-      const bool better = (cost < best.cost) & (left > 0) & (right > 0);
-      best.cost = better ? cost : best.cost;
-      best.axis = better ? axis : best.axis;
-      best.bin = better ? static_cast<std::int32_t>(row + i) : best.bin;
+  const Float4 d;
+  const Int4 di;
+  const float infinity = std::numeric_limits<float>::infinity();
+  auto least = hn::Set(d, infinity);
+  auto where = hn::Zero(di);  // of the least cost in the lane: the bin before the split
+  auto left_then = hn::Zero(di);
+  const auto all = hn::Set(di, n);
+  for (std::uint32_t row = 0; row < 3 * row_; row += row_) {
+    auto left = hn::Zero(di);
+    for (std::uint32_t i = row; i < row + row_; i += 4) {
+      auto counts = hn::LoadU(di, &bins_.counts[i]);
+      counts = hn::Add(counts, hn::ShiftLeftLanes<1>(di, counts));
+      counts = hn::Add(counts, hn::ShiftLeftLanes<2>(di, counts));
+      const auto lefts = hn::Add(left, counts);
+      const auto rights = hn::Sub(all, lefts);
+      left = hn::Broadcast<3>(lefts);
+      const auto cost = hn::Add(hn::Mul(hn::LoadU(d, &left_[i]), hn::ConvertTo(d, lefts)),
+                                hn::Mul(hn::LoadU(d, &right_[i + 1]), hn::ConvertTo(d, rights)));
+      const auto some = hn::And(hn::Gt(lefts, hn::Zero(di)), hn::Gt(rights, hn::Zero(di)));
+      const auto better = hn::And(hn::Lt(cost, least), hn::RebindMask(d, some));
+      least = hn::IfThenElse(better, cost, least);
+      where = hn::IfThenElse(hn::RebindMask(di, better), hn::Iota(di, static_cast<std::int32_t>(i)), where);
+      left_then = hn::IfThenElse(hn::RebindMask(di, better), lefts, left_then);
     }
   }
-  return best;
+  alignas(16) float costs[4];
+  alignas(16) std::int32_t at[4];
+  alignas(16) std::int32_t lefts[4];
+  hn::Store(least, d, costs);
+  hn::Store(where, di, at);
+  hn::Store(left_then, di, lefts);
+  int best = 0;
+  for (int i = 1; i < 4; ++i) {
+    const bool better = (costs[i] < costs[best]) | ((costs[i] == costs[best]) & (at[i] < at[best]));
+    best = better ? i : best;
+  }
+  if (!(costs[best] < infinity)) return {};
+  const auto row = static_cast<std::int32_t>(row_);
+  return {at[best] / row, at[best] % row + 1, lefts[best]};
 }
 
-std::uint32_t BinnedSplitter::split(std::span<BoxRecord> records, const NodeBounds& bounds) {
+Division BinnedSplitter::split(std::span<BoxRecord> records, BoxRecord* spare, const NodeBounds& bounds) {
   const auto n = static_cast<std::uint32_t>(records.size());
   count_ = std::min(most_, std::max(n, 4U));
   row_ = (count_ + 3) / 4 * 4;
-  const Binning binning(bounds, count_, row_);
+  const Binning binning(bounds, count_);
   if (threads_ > 1 && records.size() >= shared_pass) {
     fill_shared(records, binning);
   } else {
@@ -169,17 +192,16 @@ std::uint32_t BinnedSplitter::split(std::span<BoxRecord> records, const NodeBoun
     if (n >= 128) {
       fill_alternating(records, binning);
     } else {
-      fill(bins_, records, binning);
+      fill(bins_, row_, records, binning);
     }
   }
   measure_sides();
   const Choice choice = best_choice(static_cast<std::int32_t>(n));
   if (choice.axis < 0) return split_at_median(records, bounds.box.box().longest_axis());
-  return partition_records(records, [&](const WideBox& box) {
-    alignas(16) std::int32_t at[4];
-    hn::Store(binning(box), Int4(), at);
-    return at[choice.axis] < choice.bin;
-  });
+  const auto bin = binning.on_axis(choice.axis);
+  const auto left = static_cast<std::uint32_t>(choice.left);
+  divide_records(records, spare, spare + left, [&](const BoxRecord& record) { return bin(record) < choice.bin; });
+  return {left, true};
 }
 
 }  // namespace raystudy::topdown

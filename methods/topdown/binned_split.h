@@ -18,7 +18,7 @@ class BinnedSplitter {
   /// `measure` must outlive the splitter.
   BinnedSplitter(const Measure& measure, std::uint32_t bins, int threads);
 
-  std::uint32_t split(std::span<BoxRecord> records, const NodeBounds& bounds);
+  Division split(std::span<BoxRecord> records, BoxRecord* spare, const NodeBounds& bounds);
 
  private:
   /// Three rows of bins, one an axis; a row is filled up with empty bins to a multiple of four.
@@ -27,33 +27,41 @@ class BinnedSplitter {
     void clear(std::uint32_t row);
     void merge(const Bins& other, std::uint32_t row);
     std::vector<BoxRecord> boxes;
-    std::vector<std::uint32_t> counts;
+    std::vector<std::int32_t> counts;
   };
 
-  /// From a triangle's box to its bins, by index into Bins.
-  class Binning {
-   public:
-    Binning(const NodeBounds& bounds, std::uint32_t bins, std::uint32_t row);
+  /// From a triangle's box to its bin on each axis.
+  struct Binning {
+    Binning(const NodeBounds& bounds, std::uint32_t bins);
     [[nodiscard]] hn::Vec<Int4> operator()(const WideBox& box) const {
-      const auto at = hn::ConvertTo(Int4(), hn::Mul(hn::Sub(doubled_center(box), origin_), scale_));
-      // The bounds also hold what is not a number, of boxes too large for floats to have a center.
-      return hn::Add(hn::Min(hn::Max(at, hn::Zero(Int4())), last_), row_);
+      // The minimum also holds what is not a number, of boxes too large for floats to have a center.
+      return hn::ConvertTo(Int4(), hn::Min(hn::Mul(hn::Sub(doubled_center(box), origin), scale), last));
     }
+    /// The same on one axis.
+    struct OnAxis {
+      int axis;
+      float origin;
+      float scale;
+      float last;
+      [[nodiscard]] std::int32_t operator()(const BoxRecord& record) const {
+        const float at = (doubled_center(record, axis) - origin) * scale;
+        return static_cast<std::int32_t>(at < last ? at : last);
+      }
+    };
+    [[nodiscard]] OnAxis on_axis(int axis) const;
 
-   private:
-    hn::Vec<Float4> origin_;
-    hn::Vec<Float4> scale_;
-    hn::Vec<Int4> last_;
-    hn::Vec<Int4> row_;
+    hn::Vec<Float4> origin;
+    hn::Vec<Float4> scale;
+    hn::Vec<Float4> last;
   };
 
   struct Choice {
-    float cost = std::numeric_limits<float>::infinity();
-    int axis = -1;
-    std::int32_t bin = 0;  ///< the first of the right side, by index into Bins
+    int axis = -1;          ///< none: no split tells the triangles apart
+    std::int32_t bin = 0;   ///< the first of the right side
+    std::int32_t left = 0;  ///< triangles of the left side
   };
 
-  static void fill(Bins& bins, std::span<const BoxRecord> records, const Binning& binning);
+  static void fill(Bins& bins, std::uint32_t row, std::span<const BoxRecord> records, const Binning& binning);
   void fill_alternating(std::span<const BoxRecord> records, const Binning& binning);
   void fill_shared(std::span<const BoxRecord> records, const Binning& binning);
   void measure_sides();

@@ -15,13 +15,20 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Float4 = hn::FixedTag<float, 4>;
 using Int4 = hn::FixedTag<std::int32_t, 4>;
 
-/// A triangle's box in two 16-byte halves, so that a vector register takes each with one load. The fourth lane of a half holds no
-/// coordinate; nothing is ever computed from it.
+/// A triangle's box as its lower and its negated upper bounds: the union of two is then one minimum of all of a record. The
+/// fourth lane of a half holds no coordinate; nothing is ever computed from it.
 struct alignas(32) BoxRecord {
   float lower[3];
   std::uint32_t triangle;  ///< index into Scene::triangles
-  float upper[3];
+  float negated_upper[3];
   std::uint32_t rank;  ///< scratch of the builder
+
+  [[nodiscard]] static BoxRecord of(const Box& box, std::uint32_t triangle) {
+    // 0 is added so that no -0 is left: which of the two a minimum returns would depend on the order of the boxes.
+    const Vec3 lower = box.lower + Vec3{};
+    const Vec3 upper = box.upper + Vec3{};
+    return {{lower.x, lower.y, lower.z}, triangle, {-upper.x, -upper.y, -upper.z}, 0};
+  }
 };
 static_assert(sizeof(BoxRecord) == 32);
 
@@ -43,39 +50,60 @@ class BoxRecords {
   BoxRecord* data_;
 };
 
-/// A box in two vector registers; the fourth lanes are meaningless.
+#if HWY_MAX_BYTES >= 32
+/// A box in one vector register, laid out as BoxRecord; the fourth lanes of the halves are meaningless.
 struct WideBox {
-  hn::Vec<Float4> lower;
-  hn::Vec<Float4> upper;
+  using Float8 = hn::FixedTag<float, 8>;
+  hn::Vec<Float8> bounds;
+
+  [[nodiscard]] static WideBox of(const BoxRecord& record) {
+    return {hn::Load(Float8(), reinterpret_cast<const float*>(&record))};
+  }
+  [[nodiscard]] static WideBox empty() { return {hn::Set(Float8(), std::numeric_limits<float>::infinity())}; }
+  void store(BoxRecord& record) const { hn::Store(bounds, Float8(), reinterpret_cast<float*>(&record)); }
+  [[nodiscard]] hn::Vec<Float4> lower() const { return hn::LowerHalf(Float4(), bounds); }
+  [[nodiscard]] hn::Vec<Float4> negated_upper() const { return hn::UpperHalf(Float4(), bounds); }
+  [[nodiscard]] friend WideBox united(const WideBox& a, const WideBox& b) { return {hn::Min(a.bounds, b.bounds)}; }
+#else
+/// A box in two vector registers, laid out as BoxRecord; the fourth lanes are meaningless.
+struct WideBox {
+  hn::Vec<Float4> halves[2];
 
   [[nodiscard]] static WideBox of(const BoxRecord& record) {
     const auto* p = reinterpret_cast<const float*>(&record);
-    return {hn::Load(Float4(), p), hn::Load(Float4(), p + 4)};
+    return {{hn::Load(Float4(), p), hn::Load(Float4(), p + 4)}};
   }
   [[nodiscard]] static WideBox empty() {
-    constexpr float inf = std::numeric_limits<float>::infinity();
-    return {hn::Set(Float4(), inf), hn::Set(Float4(), -inf)};
+    const auto infinity = hn::Set(Float4(), std::numeric_limits<float>::infinity());
+    return {{infinity, infinity}};
   }
+  void store(BoxRecord& record) const {
+    auto* p = reinterpret_cast<float*>(&record);
+    hn::Store(halves[0], Float4(), p);
+    hn::Store(halves[1], Float4(), p + 4);
+  }
+  [[nodiscard]] hn::Vec<Float4> lower() const { return halves[0]; }
+  [[nodiscard]] hn::Vec<Float4> negated_upper() const { return halves[1]; }
+  [[nodiscard]] friend WideBox united(const WideBox& a, const WideBox& b) {
+    return {{hn::Min(a.halves[0], b.halves[0]), hn::Min(a.halves[1], b.halves[1])}};
+  }
+#endif
+
   [[nodiscard]] Box box() const {
-    alignas(16) float l[4];
-    alignas(16) float u[4];
-    hn::Store(lower, Float4(), l);
-    hn::Store(upper, Float4(), u);
-    return {{l[0], l[1], l[2]}, {u[0], u[1], u[2]}};
+    BoxRecord r;
+    store(r);
+    return {{r.lower[0], r.lower[1], r.lower[2]}, {-r.negated_upper[0], -r.negated_upper[1], -r.negated_upper[2]}};
   }
 };
-
-[[nodiscard]] inline WideBox united(const WideBox& a, const WideBox& b) {
-  return {hn::Min(a.lower, b.lower), hn::Max(a.upper, b.upper)};
-}
 
 /// Box::half_area of four boxes, bit for bit.
 [[nodiscard]] inline hn::Vec<Float4> half_areas(const WideBox& b0, const WideBox& b1, const WideBox& b2, const WideBox& b3) {
   const Float4 d;
-  const auto e0 = hn::Sub(b0.upper, b0.lower);
-  const auto e1 = hn::Sub(b1.upper, b1.lower);
-  const auto e2 = hn::Sub(b2.upper, b2.lower);
-  const auto e3 = hn::Sub(b3.upper, b3.lower);
+  // The negated extents, whose products are those of the extents.
+  const auto e0 = hn::Add(b0.lower(), b0.negated_upper());
+  const auto e1 = hn::Add(b1.lower(), b1.negated_upper());
+  const auto e2 = hn::Add(b2.lower(), b2.negated_upper());
+  const auto e3 = hn::Add(b3.lower(), b3.negated_upper());
   // A transpose, so that the products are of four boxes at once: x0 x1 y0 y1, x2 x3 y2 y3, z0 z1 ..., z2 z3 ...
   const auto xy01 = hn::InterleaveLower(d, e0, e1);
   const auto xy23 = hn::InterleaveLower(d, e2, e3);
@@ -97,9 +125,7 @@ template <bool reversed>
   const WideBox s1 = united(acc, united(b0, b1));
   const WideBox s2 = united(s1, b2);
   const WideBox s3 = united(s1, united(b2, b3));
-  // Half by half: copied whole, the box would take a detour through memory, a wide load after two narrow stores.
-  acc.lower = s3.lower;
-  acc.upper = s3.upper;
+  acc = s3;
   return reversed ? half_areas(s3, s2, s1, s0) : half_areas(s0, s1, s2, s3);
 }
 

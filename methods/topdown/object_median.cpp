@@ -7,7 +7,7 @@ namespace raystudy {
 namespace {
 
 struct ObjectMedianSplitter {
-  static std::uint32_t split(std::span<topdown::BoxRecord> records, const topdown::NodeBounds& bounds) {
+  static topdown::Division split(std::span<topdown::BoxRecord> records, topdown::BoxRecord*, const topdown::NodeBounds& bounds) {
     return topdown::split_at_median(records, bounds.box.box().longest_axis());
   }
 };

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "harness/method/registry.h"
@@ -7,18 +8,16 @@ namespace raystudy {
 namespace {
 
 struct SpatialMedianSplitter {
-  static std::uint32_t split(std::span<topdown::BoxRecord> records, const topdown::NodeBounds& bounds) {
+  static topdown::Division split(std::span<topdown::BoxRecord> records, topdown::BoxRecord* spare,
+                                 const topdown::NodeBounds& bounds) {
     const Box box = bounds.box.box();
     const int axis = box.longest_axis();
     const float doubled_plane = box.lower[axis] + box.upper[axis];
-    const auto goes_left = [=](const topdown::WideBox& b) {
-      alignas(16) float center[4];
-      topdown::hn::Store(topdown::doubled_center(b), topdown::Float4(), center);
-      return center[axis] < doubled_plane;
-    };
-    const std::uint32_t left = topdown::partition_records(records, goes_left);
-    if (left > 0 && left < records.size()) return left;
-    return topdown::split_at_median(records, axis);
+    const auto goes_left = [=](const topdown::BoxRecord& r) { return topdown::doubled_center(r, axis) < doubled_plane; };
+    const auto left = static_cast<std::uint32_t>(std::count_if(records.begin(), records.end(), goes_left));
+    if (left == 0 || left == records.size()) return topdown::split_at_median(records, axis);
+    topdown::divide_records(records, spare, spare + left, goes_left);
+    return {left, true};
   }
 };
 

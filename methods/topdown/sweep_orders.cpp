@@ -48,14 +48,14 @@ std::unique_ptr<std::uint32_t[]> sorted_indices(std::unique_ptr<KeyedIndex[]> it
 
 float position(const Scene& scene, const BoxRecord& r, Positions positions, int axis, bool upper) {
   switch (positions) {
-    case Positions::box_centers: return 0.5F * r.lower[axis] + 0.5F * r.upper[axis];  // the sum alone may overflow
+    case Positions::box_centers: return 0.5F * r.lower[axis] - 0.5F * r.negated_upper[axis];  // the sum alone may overflow
     case Positions::centroids: {
       const Triangle& t = scene.triangles[r.triangle];
       float sum = 0;
       for (int i = 0; i < 3; ++i) sum += scene.vertices[t[i]][axis] * (1.0F / 3);
       return sum;
     }
-    case Positions::box_bounds: return upper ? r.upper[axis] : r.lower[axis];
+    case Positions::box_bounds: return upper ? -r.negated_upper[axis] : r.lower[axis];
   }
   return 0;
 }
@@ -75,8 +75,7 @@ void fill_records(const Scene& scene, int threads, BoxRecords& records) {
   for_each_range(records.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto t = static_cast<std::uint32_t>(i);
-      const Box box = scene.triangle_box(t);
-      records[i] = {{box.lower.x, box.lower.y, box.lower.z}, t, {box.upper.x, box.upper.y, box.upper.z}, 0};
+      records[i] = BoxRecord::of(scene.triangle_box(t), t);
     }
   });
 }

@@ -82,8 +82,7 @@ inline float best_of_few(const SurfaceArea&, const OrderedBoxes& boxes, WideBox&
   WideBox from_left = WideBox::empty();
   const auto suffix = grow<true>(from_right, b3, b2, b1, b0);  // lane i: boxes i to n - 1
   const auto prefix = grow<false>(from_left, b0, b1, b2, b3);  // lane i: boxes 0 to i
-  all.lower = from_left.lower;
-  all.upper = from_left.upper;
+  all = from_left;
   const bool four = boxes.n == 4;
   alignas(16) static constexpr float lefts[4] = {1, 2, 3, 0};
   alignas(16) static constexpr float rights[2][4] = {{2, 1, 0, 0}, {3, 2, 1, 0}};
