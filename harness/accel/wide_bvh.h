@@ -43,6 +43,7 @@ struct alignas(W == 8 ? 32 : 64) WideNode {
     const auto s = static_cast<std::size_t>(i);
     return {{bounds[0][0][s], bounds[1][0][s], bounds[2][0][s]}, {bounds[0][1][s], bounds[1][1][s], bounds[2][1][s]}};
   }
+  friend bool operator==(const WideNode&, const WideNode&) = default;
 };
 
 /// The same with planes of 8 bits on a grid of the node's own: plane = origin + q · 2^exponent, exactly, so that the boxes are a
@@ -71,9 +72,11 @@ struct alignas(W == 4 ? 64 : 32) QuantizedNode {
     }
     return b;
   }
+  friend bool operator==(const QuantizedNode&, const QuantizedNode&) = default;
 };
 
-/// A BVH of 4, 8 or 16 children a node, with its triangles: what the fast tracers traverse.
+/// A BVH of 4, 8 or 16 children a node, with its triangles: what the fast tracers traverse. What `duplicates` means is said with
+/// Bvh2; of 8-bit boxes, the box of a leaf is where all those on the way to it overlap.
 class WideBvh final : public Accel {
  public:
   static constexpr std::string_view kind_name = "wide-bvh";
@@ -88,6 +91,7 @@ class WideBvh final : public Accel {
   AlignedVector<float> corners;          ///< see corner(); padded so that 16 floats may be read from any row
   Box bounds;                            ///< of all triangles
   std::uint32_t height = 0;              ///< nodes on the longest way from the root to a leaf, the root included
+  bool duplicates = false;               ///< a triangle may be in several leaves
 
   /// Corners lie leaf by leaf: for a leaf of n triangles at `first`, nine rows of n floats begin at corners[9 · first]: the x of
   /// corner a of each triangle, of b, of c, then y and z alike. No padding: what a vector reads past a row belongs to the next.

@@ -175,9 +175,7 @@ void Worker::build(PipelineWork& work) {
 }
 
 void Worker::check_tree(const PipelineWork& work) {
-  const auto* bvh = dynamic_cast<const Bvh2*>(work.accel.get());
-  if (bvh == nullptr) return;
-  const std::vector<std::string> problems = find_problems(*bvh, *scene_, 1);
+  const std::vector<std::string> problems = find_problems(*work.accel, *scene_, 1);
   if (!problems.empty()) throw WrongResult(fmt::format("wrong tree: {}", problems.front()));
 }
 

@@ -23,6 +23,7 @@ class WideWriter {
   void write(WideBvh& out) {
     out_ = &out;
     auto& nodes = out.nodes.template emplace<WideBvh::NodeArray<Node>>();
+    out.duplicates = bvh_.duplicates;
     if (bvh_.empty()) return;
     out.bounds = bvh_.nodes[0].box;
     out.triangles.reserve(bvh_.triangles.size());

@@ -1,12 +1,11 @@
-// Every builder and every optimizer over every scene: valid trees, no triangle lost, the same for a seed whatever the threads.
+// Every builder, optimizer and encoder over every scene: valid trees, no triangle lost, the same for a seed whatever the threads.
 
 #include <gtest/gtest.h>
-
-#include <cstring>
 
 #include "harness/accel/validate.h"
 #include "tests/conformance/scenes.h"
 #include "tests/conformance/variants.h"
+#include "tests/support/same_tree.h"
 
 namespace raystudy::test {
 namespace {
@@ -17,19 +16,10 @@ std::unique_ptr<Accel> build(const MethodRef& builder, const Scene& scene, int t
   return Registry::instance().create<Builder>(builder)->build(scene, context);
 }
 
-std::string problems(const Bvh2& bvh, const Scene& scene) {
+std::string problems(const Accel& accel, const Scene& scene) {
   std::string text;
-  for (const std::string& problem : find_problems(bvh, scene)) text += problem + "\n";
+  for (const std::string& problem : find_problems(accel, scene)) text += problem + "\n";
   return text;
-}
-
-/// nodes[1] is padding, whatever it holds.
-bool same(const Bvh2& a, const Bvh2& b) {
-  if (a.nodes.size() != b.nodes.size() || a.triangles != b.triangles) return false;
-  for (std::size_t i = 0; i < a.nodes.size(); ++i) {
-    if (i != 1 && std::memcmp(&a.nodes[i], &b.nodes[i], sizeof(Bvh2Node)) != 0) return false;
-  }
-  return true;
 }
 
 class Builders : public testing::TestWithParam<Variant> {};
@@ -71,8 +61,34 @@ TEST_P(Optimizers, KeepEveryTreeValid) {
   }
 }
 
+class Encoders : public testing::TestWithParam<Variant> {};
+
+TEST_P(Encoders, MakeWhatTheySayOfEveryTree) {
+  const auto encoder = Registry::instance().create<Encoder>(GetParam().ref);
+  for (const Variant& builder : variants(Role::builder, true)) {
+    if (builder.accel != Bvh2::kind_name) continue;
+    for (const ConformanceScene& item : conformance_scenes()) {
+      SCOPED_TRACE(builder.label + ", " + item.name);
+      const auto built = build(builder.ref, item.scene, 1);
+      const auto& bvh = dynamic_cast<const Bvh2&>(*built);
+      BuildContext context;
+      const auto encoded = encoder->encode(bvh, item.scene, context);
+      ASSERT_NE(encoded, nullptr);
+      EXPECT_EQ(encoded->kind(), GetParam().accel);
+      EXPECT_EQ(problems(*encoded, item.scene), "");
+      const auto* wide = dynamic_cast<const WideBvh*>(encoded.get());
+      if (wide == nullptr) continue;
+      EXPECT_EQ(wide->duplicates, bvh.duplicates);
+      EXPECT_TRUE(same(*wide, dynamic_cast<const WideBvh&>(*encoder->encode(bvh, item.scene, context)))) << "encoded twice";
+      context.threads = 2;
+      EXPECT_TRUE(same(*wide, dynamic_cast<const WideBvh&>(*encoder->encode(bvh, item.scene, context)))) << "with two threads";
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Conformance, Builders, testing::ValuesIn(variants(Role::builder)), variant_name);
 INSTANTIATE_TEST_SUITE_P(Conformance, Optimizers, testing::ValuesIn(variants(Role::optimizer)), variant_name);
+INSTANTIATE_TEST_SUITE_P(Conformance, Encoders, testing::ValuesIn(variants(Role::encoder)), variant_name);
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Optimizers);
 
 }  // namespace
