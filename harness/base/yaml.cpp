@@ -17,6 +17,8 @@
 #include <system_error>
 #include <utility>
 
+#include "harness/base/missing_path.h"
+
 namespace raystudy {
 namespace {
 
@@ -208,7 +210,10 @@ std::shared_ptr<const YamlNode> parse_yaml(const std::string& text, const std::s
 
 std::shared_ptr<const YamlNode> read_yaml(const std::string& file, std::vector<Diagnostic>& problems) {
   const auto refuse = [&file](int reason) -> Error {
-    return Error(Diagnostic{{file, 0, 0}, fmt::format("cannot be read: {}", std::generic_category().message(reason)), {}, {}});
+    const MissingPath missing = reason == ENOENT ? look_around(file, {".yaml", ".yml"}) : MissingPath{};
+    const std::string why = missing.absent_folder.empty() ? std::generic_category().message(reason)
+                                                          : fmt::format("there is no folder '{}'", missing.absent_folder);
+    return Error(Diagnostic{{file, 0, 0}, fmt::format("cannot be read: {}", why), {}, missing.nearest});
   };
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), std::fclose);
   if (!stream) throw refuse(errno);

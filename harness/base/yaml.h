@@ -40,7 +40,8 @@ struct YamlEntry {
 /// returned. Throws Error with line and column where the text is no YAML. An empty text is a null node.
 [[nodiscard]] std::shared_ptr<const YamlNode> parse_yaml(const std::string& text, const std::string& file,
                                                          std::vector<Diagnostic>& problems);
-/// Reads and parses a file. Throws Error naming the file and the system's reason where it cannot be read.
+/// Reads and parses a file. Throws Error naming the file and the system's reason where it cannot be read, and the nearest name of
+/// one that is not there.
 [[nodiscard]] std::shared_ptr<const YamlNode> read_yaml(const std::string& file, std::vector<Diagnostic>& problems);
 
 /// What a user would call it: "the text 'abc'", "the number 2.5", "a list", "nothing".

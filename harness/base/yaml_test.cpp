@@ -115,8 +115,9 @@ TEST(Yaml, RefusesASecondDocument) {
 TEST(Yaml, NamesTheReasonWhyAFileCannotBeRead) {
   std::vector<Diagnostic> problems;
   const std::string folder = std::filesystem::temp_directory_path().string();
-  for (const auto& [file, reason] :
-       {std::pair{folder + "/no/such.yaml", "No such file or directory"}, {folder, "Is a directory"}}) {
+  for (const auto& [file, reason] : {std::pair{folder + "/no-such.yaml", std::string("No such file or directory")},
+                                     {folder + "/no/such.yaml", "there is no folder '" + folder + "/no'"},
+                                     {folder, "Is a directory"}}) {
     try {
       (void)read_yaml(file, problems);
       FAIL();

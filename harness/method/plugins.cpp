@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "harness/base/error.h"
+#include "harness/base/missing_path.h"
 #include "harness/method/registry.h"
 
 namespace raystudy {
@@ -13,10 +14,12 @@ namespace {
 std::vector<std::filesystem::path> plugin_files(const std::filesystem::path& path) {
   if (std::filesystem::is_regular_file(path)) return {path};
   if (!std::filesystem::is_directory(path)) {
+    const MissingPath missing = look_around(path, {".so"});
     throw Error(Diagnostic{{},
-                           fmt::format("RAYSTUDY_PLUGINS names '{}', which is not there", path.string()),
+                           fmt::format("RAYSTUDY_PLUGINS names '{}', which is not there{}", path.string(),
+                                       missing.absent_folder.empty() ? "" : fmt::format(", nor is '{}'", missing.absent_folder)),
                            "a shared library, or a folder of them",
-                           {}});
+                           missing.nearest});
   }
   std::vector<std::filesystem::path> files;
   for (const auto& item : std::filesystem::directory_iterator(path)) {

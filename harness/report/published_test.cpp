@@ -108,7 +108,7 @@ TEST(Published, SaysThatAFileIsNotThere) {
     (void)read_published("/nowhere/p.yaml");
     FAIL();
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "/nowhere/p.yaml: cannot be read: No such file or directory");
+    EXPECT_STREQ(error.what(), "/nowhere/p.yaml: cannot be read: there is no folder '/nowhere'");
   }
 }
 

@@ -33,6 +33,11 @@ class BadInput : public ::testing::Test {
 TEST_F(BadInput, Names) {
   const std::string folder = environment.folder.text();
   EXPECT_EQ(error_of([&] { (void)read_scene(folder + "/none.ply"); }), folder + "/none.ply: there is no such file");
+  EXPECT_EQ(error_of([&] { (void)read_scene(folder + "/no/none.ply"); }),
+            folder + "/no/none.ply: there is no folder '" + folder + "/no'");
+  (void)error("none.obj", "x");  // leaves the file
+  EXPECT_EQ(error_of([&] { (void)read_scene(folder + "/noen.obj"); }),
+            folder + "/noen.obj: there is no such file; did you mean '" + folder + "/none.obj'?");
   EXPECT_EQ(error_of([&] { (void)read_scene(folder); }), folder + ": is not a regular file");
   const std::string unknown = error("a.plx", "x");
   EXPECT_TRUE(

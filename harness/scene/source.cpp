@@ -6,6 +6,7 @@
 #include <cctype>
 #include <utility>
 
+#include "harness/base/missing_path.h"
 #include "harness/scene/archive.h"
 
 namespace raystudy {
@@ -88,7 +89,13 @@ fs::path file_on_disk(const fs::path& path) {
     if (fs::is_regular_file(p, ignored)) return p;
     if (p == p.parent_path() || fs::exists(p, ignored)) break;
   }
-  fail_at(path.string(), fs::exists(path, ignored) ? "is not a regular file" : "there is no such file");
+  if (fs::exists(path, ignored)) fail_at(path.string(), "is not a regular file");
+  const MissingPath missing = look_around(path);
+  throw Error(Diagnostic{
+      {path.string(), 0, 0},
+      missing.absent_folder.empty() ? "there is no such file" : fmt::format("there is no folder '{}'", missing.absent_folder),
+      {},
+      missing.nearest});
 }
 
 SourceFile open_source(const fs::path& path) {

@@ -173,6 +173,35 @@ TEST_F(RunVerb, AFullDiskEndsItWithTheReason) {
   EXPECT_TRUE(fs::is_empty(results / "small")) << "a part of a result was left behind";
 }
 
+TEST_F(RunVerb, AMisspeltFileIsAnsweredWithTheNearest) {
+  const std::string here = folder.string();
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {here + "/smal.yaml", "No such file or directory; did you mean '" + here + "/small.yaml'?"},
+      {here + "/quickstart.yaml", "No such file or directory"},
+      {here + "/none/small.yaml", "there is no folder '" + here + "/none'"}};
+  for (const char* verb : {"run", "check", "plan", "table", "figure"}) {
+    for (const auto& [file, reason] : cases) {
+      Command command(folder, {verb, file});
+      EXPECT_EQ(command.wait(), 2);
+      EXPECT_EQ(command.err(), fmt::format("{}: cannot be read: {}\n", file, reason));
+    }
+  }
+}
+
+TEST_F(RunVerb, AMisspeltPluginIsAnsweredWithTheNearest) {
+  const std::string here = folder.string();
+  std::ofstream(folder / "libmine.so") << "no library";
+  const std::string expected = "expected a shared library, or a folder of them";
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {here + "/libmien.so", "; " + expected + "; did you mean '" + here + "/libmine.so'?"},
+      {here + "/none/libmine.so", ", nor is '" + here + "/none'; " + expected}};
+  for (const auto& [path, rest] : cases) {
+    Command command(folder, {"list"}, {{"RAYSTUDY_PLUGINS", path}});
+    EXPECT_EQ(command.wait(), 2);
+    EXPECT_EQ(command.err(), fmt::format("RAYSTUDY_PLUGINS names '{}', which is not there{}\n", path, rest));
+  }
+}
+
 TEST_F(RunVerb, WrongFlagsAreRefused) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"--timeout", "0"}, "--timeout is 0; expected a number of seconds > 0\n"},
