@@ -87,6 +87,7 @@ class WideValidator {
     const auto end = std::find(node.child.begin(), node.child.end(), WideChild::none);
     const auto used = static_cast<int>(end - node.child.begin());
     if (used == 0) check_.report("node {} has no children", n);
+    check_orders(n);
     for (int i = used; i < Node::width; ++i) {
       if (node.child[static_cast<std::size_t>(i)] != WideChild::none) {
         check_.report("slot {} of node {} is used after an empty one", i, n);
@@ -95,6 +96,18 @@ class WideValidator {
       }
     }
     return has_good_grid(n, used) ? used : 0;
+  }
+
+  void check_orders(std::uint32_t n) {
+    for (std::size_t row = 0; row < nodes_[n].order.size(); ++row) {
+      auto slots = nodes_[n].order[row];
+      std::sort(slots.begin(), slots.end());
+      for (std::size_t i = 0; i < slots.size(); ++i) {
+        if (slots[i] == i) continue;
+        check_.report("row {} of the orders of node {} does not hold every slot once", row, n);
+        break;
+      }
+    }
   }
 
   bool has_good_grid(std::uint32_t n, int used) {

@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "harness/accel/validate.h"
 #include "tests/support/wide_trees.h"
@@ -137,6 +138,14 @@ TYPED_TEST(WideValidation, OfDuplicates) {
   part.bvh.bounds.upper.x = 10;
   EXPECT_THAT(find_problems(part.bvh, part.scene),
               ElementsAre("triangle 5 is not covered by the boxes of the 1 leaves that it is in"));
+}
+
+TYPED_TEST(WideValidation, OfOrders) {
+  HandMade<TypeParam> made;
+  std::swap(made.node(1).order[2][0], made.node(1).order[2][3]);
+  EXPECT_THAT(find_problems(made.bvh, made.scene), IsEmpty());
+  made.node(1).order[2][1] = 0;
+  EXPECT_THAT(find_problems(made.bvh, made.scene), ElementsAre("row 2 of the orders of node 1 does not hold every slot once"));
 }
 
 TEST(WideValidationOfFloats, OfEmptyAndInfiniteBoxes) {

@@ -31,13 +31,20 @@ struct WideChild {
   [[nodiscard]] static constexpr std::uint32_t count(std::uint32_t child) { return ((child >> 27U) & 15U) + 1; }
 };
 
-/// W children's boxes, plane by plane, so that one vector operation tests them all: bounds[axis][0] holds the lower planes,
-/// bounds[axis][1] the upper ones. Used slots come first, by descending measure (largest first).
+/// All slots of a node, used or not, from the farthest child to the nearest, by the centers of their boxes, for rays that go up
+/// along z: row 0 for those that go up along x and y too, 1 for those that go down along x, 2 down along y, 3 down along both.
+/// For rays that go down along z, the row of the opposite signs holds in reverse.
 template <int W>
-struct alignas(W == 8 ? 32 : 64) WideNode {
+using SlotOrders = std::array<std::array<std::uint8_t, W>, 4>;
+
+/// W children's boxes, plane by plane, so that one vector operation tests them all: bounds[axis][0] holds the lower planes,
+/// bounds[axis][1] the upper ones. Used slots come first, by ascending measure, so that the largest comes last.
+template <int W>
+struct alignas(64) WideNode {
   static constexpr int width = W;
   std::array<std::array<std::array<float, W>, 2>, 3> bounds;
   std::array<std::uint32_t, W> child;
+  SlotOrders<W> order;
 
   [[nodiscard]] Box box(int i) const {
     const auto s = static_cast<std::size_t>(i);
@@ -49,12 +56,13 @@ struct alignas(W == 8 ? 32 : 64) WideNode {
 /// The same with planes of 8 bits on a grid of the node's own: plane = origin + q · 2^exponent, exactly, so that the boxes are a
 /// little larger than those they stand for and never smaller (Ylitie, Karras, Laine 2017, Sec. 3.1).
 template <int W>
-struct alignas(W == 4 ? 64 : 32) QuantizedNode {
+struct alignas(W == 4 ? 16 : 64) QuantizedNode {
   static constexpr int width = W;
   std::array<float, 3> origin;
   std::array<std::int8_t, 4> exponent;  ///< of the three axes, from -126 to 127; the fourth is the number of slots used
   std::array<std::array<std::array<std::uint8_t, W>, 2>, 3> bounds;
   std::array<std::uint32_t, W> child;
+  SlotOrders<W> order;
 
   /// Slots in use. On a grid finer than a ray's own error no box could keep rays off the others.
   [[nodiscard]] int used() const { return exponent[3]; }

@@ -181,7 +181,7 @@ TEST(RayGroup, IsWideRayLaneByLane) {
         ASSERT_EQ(group.reciprocal[a][lane], expected.reciprocal[a]);
         ASSERT_EQ(group.near_offset[a][lane], expected.near_offset[a]);
         ASSERT_EQ(group.far_offset[a][lane], expected.far_offset[a]);
-        ASSERT_EQ(packet.sides.side[a], expected.near_plane[a]);
+        ASSERT_EQ(packet.sides.side[a], (expected.negative >> a) & 1U);
       }
       ASSERT_EQ(group.along[static_cast<std::size_t>(expected.along)], 0xfU);
       ASSERT_EQ(group.origin[static_cast<std::size_t>(expected.across)][lane], expected.origin[0]);

@@ -175,9 +175,8 @@ HWY_INLINE hn::Mask<D> set_slabs(D d, const RayRows<D>& rays, hn::Mask<D> valid,
   V coordinates = hn::Set(d, scene.reach);
   V longest = hn::Zero(d);
   for (std::size_t a = 0; a < 3; ++a) {
-    const auto axis = static_cast<int>(a);
-    reach[a] = hn::Max(hn::Abs(hn::Sub(hn::Set(d, scene.bounds.lower[axis]), rays.origin[a])),
-                       hn::Abs(hn::Sub(hn::Set(d, scene.bounds.upper[axis]), rays.origin[a])));
+    reach[a] = hn::Max(hn::Abs(hn::Sub(hn::Set(d, scene.lower[a]), rays.origin[a])),
+                       hn::Abs(hn::Sub(hn::Set(d, scene.upper[a]), rays.origin[a])));
     coordinates = hn::Max(coordinates, hn::Abs(rays.origin[a]));
     longest = hn::Max(longest, hn::Abs(rays.direction[a]));
   }

@@ -13,6 +13,7 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include "methods/wide/in_flight-inl.h"
 #include "methods/wide/traverse-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -51,10 +52,40 @@ TraceCounts count(const Tree& tree, std::span<const Ray> rays, Query query, std:
   return counter.counts;
 }
 
-Kernel kernel(const WideBvh& bvh) {
-  return bvh.visit([](const auto& nodes) {
+constexpr std::size_t most_in_flight = 32;
+
+template <class Node>
+void trace_many(const Tree& tree, std::span<const Ray> rays, std::span<Hit> hits, Query query) {
+  const auto write = [&](std::size_t i, const Hit& hit, const NoCounter&) { hits[i] = hit; };
+  if (query == Query::any_hit) {
+    RaysInFlight<Node, true, NoCounter>(tree, rays, most_in_flight).run(write);
+  } else {
+    RaysInFlight<Node, false, NoCounter>(tree, rays, most_in_flight).run(write);
+  }
+}
+
+template <class Node>
+TraceCounts count_many(const Tree& tree, std::span<const Ray> rays, Query query, std::span<std::uint32_t> steps) {
+  TraceCounts sum;
+  const auto write = [&](std::size_t i, const Hit&, const RayCounter& counter) {
+    sum.inner_nodes += counter.counts.inner_nodes;
+    sum.leaves += counter.counts.leaves;
+    sum.box_tests += counter.counts.box_tests;
+    sum.triangle_tests += counter.counts.triangle_tests;
+    if (!steps.empty()) steps[i] = static_cast<std::uint32_t>(counter.counts.traversal_steps());
+  };
+  if (query == Query::any_hit) {
+    RaysInFlight<Node, true, RayCounter>(tree, rays, most_in_flight).run(write);
+  } else {
+    RaysInFlight<Node, false, RayCounter>(tree, rays, most_in_flight).run(write);
+  }
+  return sum;
+}
+
+Kernel kernel(const WideBvh& bvh, Schedule schedule) {
+  return bvh.visit([schedule](const auto& nodes) {
     using Node = std::remove_cvref_t<decltype(nodes[0])>;
-    return Kernel{trace<Node>, count<Node>};
+    return schedule == Schedule::one_by_one ? Kernel{trace<Node>, count<Node>} : Kernel{trace_many<Node>, count_many<Node>};
   });
 }
 
@@ -103,17 +134,17 @@ constexpr std::int64_t avx512 = 0;
 
 }  // namespace
 
-Kernel kernel_for(const WideBvh& bvh, Simd simd) {
+Kernel kernel_for(const WideBvh& bvh, Schedule schedule, Simd simd) {
   const std::int64_t here = hwy::SupportedTargets();
 #if HWY_TARGETS & HWY_AVX3
-  if (simd == Simd::best && (here & HWY_AVX3) != 0) return N_AVX3::kernel(bvh);
+  if (simd == Simd::best && (here & HWY_AVX3) != 0) return N_AVX3::kernel(bvh, schedule);
 #endif
 #if HWY_TARGETS & HWY_AVX2
-  if ((here & HWY_AVX2) != 0) return N_AVX2::kernel(bvh);
+  if ((here & HWY_AVX2) != 0) return N_AVX2::kernel(bvh, schedule);
 #endif
   if (simd == Simd::avx2) throw Error("this processor has no AVX2; expected simd: auto");
 #if HWY_TARGETS & HWY_SSE4
-  return N_SSE4::kernel(bvh);
+  return N_SSE4::kernel(bvh, schedule);
 #else
   throw Error("this processor lacks the AVX2 that Raystudy was built for");
 #endif

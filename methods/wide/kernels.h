@@ -35,8 +35,11 @@ struct Kernel {
 /// Vector instructions. `best` is what this processor has the most lanes of.
 enum class Simd : std::uint8_t { best, avx2 };
 
+/// One ray after another, or many in turns.
+enum class Schedule : std::uint8_t { one_by_one, in_turns };
+
 /// Throws Error where the processor lacks `simd`.
-[[nodiscard]] Kernel kernel_for(const WideBvh& bvh, Simd simd);
+[[nodiscard]] Kernel kernel_for(const WideBvh& bvh, Schedule schedule, Simd simd);
 /// "AVX-512", "AVX2", "SSE4": what kernel_for(…, Simd::best) takes here.
 [[nodiscard]] std::string_view best_simd();
 

@@ -62,6 +62,29 @@ void set_boxes(QuantizedNode<W>& node, std::span<const Box> boxes) {
   }
 }
 
+template <int W>
+SlotOrders<W> slot_orders(std::span<const Box> boxes) {
+  SlotOrders<W> orders;
+  for (unsigned row = 0; row < orders.size(); ++row) {
+    const std::size_t unused = W - boxes.size();
+    for (std::size_t i = 0; i < unused; ++i) orders[row][i] = static_cast<std::uint8_t>(boxes.size() + i);
+    std::array<float, W> distances;  // of the slots in `orders`
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      const Vec3 c = boxes[i].lower * 0.5F + boxes[i].upper * 0.5F;
+      const float distance = ((row & 1U) != 0 ? -c.x : c.x) + ((row & 2U) != 0 ? -c.y : c.y) + c.z;
+      // Insertion, the farthest first: for so few nothing is quicker.
+      std::size_t at = unused + i;
+      for (; at > unused && distances[at - 1] < distance; --at) {
+        distances[at] = distances[at - 1];
+        orders[row][at] = orders[row][at - 1];
+      }
+      distances[at] = distance;
+      orders[row][at] = static_cast<std::uint8_t>(i);
+    }
+  }
+  return orders;
+}
+
 std::uint32_t append_leaf(WideBvh& bvh, const Scene& scene, std::span<const std::uint32_t> triangles) {
   const std::size_t first = bvh.triangles.size();
   if (first + triangles.size() > WideChild::most_first) {
@@ -81,6 +104,9 @@ std::uint32_t append_leaf(WideBvh& bvh, const Scene& scene, std::span<const std:
   return WideChild::leaf(static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(n));
 }
 
+template SlotOrders<4> slot_orders<4>(std::span<const Box>);
+template SlotOrders<8> slot_orders<8>(std::span<const Box>);
+template SlotOrders<16> slot_orders<16>(std::span<const Box>);
 template void set_boxes(WideNode<4>&, std::span<const Box>);
 template void set_boxes(WideNode<8>&, std::span<const Box>);
 template void set_boxes(WideNode<16>&, std::span<const Box>);

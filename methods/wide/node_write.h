@@ -15,6 +15,10 @@ void set_boxes(WideNode<W>& node, std::span<const Box> boxes);
 template <int W>
 void set_boxes(QuantizedNode<W>& node, std::span<const Box> boxes);
 
+/// The orders in which rays meet boxes, those of a node's used slots.
+template <int W>
+[[nodiscard]] SlotOrders<W> slot_orders(std::span<const Box> boxes);
+
 /// Appends a leaf of 1 to 16 triangles with their corners (before the padding is there) and returns the slot's content. Throws
 /// Error past the 2^27 triangles a tree can hold.
 std::uint32_t append_leaf(WideBvh& bvh, const Scene& scene, std::span<const std::uint32_t> triangles);

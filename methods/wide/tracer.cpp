@@ -14,8 +14,8 @@ namespace {
 /// triangles as watertight.h does. Of equal t the lowest triangle index is the hit.
 class WideSession final : public TraceSession {
  public:
-  WideSession(const WideBvh& bvh, Simd simd, int threads)
-      : tree_(bvh), kernel_(kernel_for(bvh, simd)), empty_(bvh.empty()), threads_(threads) {}
+  WideSession(const WideBvh& bvh, Schedule schedule, Simd simd, int threads)
+      : tree_(bvh), kernel_(kernel_for(bvh, schedule, simd)), empty_(bvh.empty()), threads_(threads) {}
 
   void trace(std::span<const Ray> rays, std::span<Hit> hits, Query query) override {
     if (hits.size() != rays.size()) throw std::logic_error("as many hits as rays are needed");
@@ -49,22 +49,32 @@ class WideSession final : public TraceSession {
 
 class WideTracer final : public Tracer {
  public:
-  explicit WideTracer(const Params& params) : simd_(params.text("simd") == "avx2" ? Simd::avx2 : Simd::best) {}
+  explicit WideTracer(const Params& params)
+      : schedule_(params.text("schedule")), simd_(params.text("simd") == "avx2" ? Simd::avx2 : Simd::best) {}
 
   static MethodInfo info() {
     return {
         .name = "wide",
         .summary = "SIMD, one ray at a time through a tree of 4, 8 or 16 children a node; watertight",
         .citation = "Wald, Benthin, Boulos 2008; triangles by Woop, Benthin, Wald 2013; any hit by Nah and Manocha 2014 (SATO)",
-        .params = {choice_param("simd", {"auto", "avx2"}, "vector instructions; auto: the widest this processor has")},
+        .params = {choice_param(
+                       "schedule", {"auto", "one-by-one", "in-turns"},
+                       "rays one after another, or many in turns; auto: in turns where they are incoherent and there is AVX-512"),
+                   choice_param("simd", {"auto", "avx2"}, "vector instructions; auto: the widest this processor has")},
         .accel = std::string(WideBvh::kind_name)};
   }
 
-  [[nodiscard]] std::unique_ptr<TraceSession> prepare(const Accel& accel, const Scene&, int threads, bool) const override {
-    return std::make_unique<WideSession>(dynamic_cast<const WideBvh&>(accel), simd_, threads);
+  [[nodiscard]] std::unique_ptr<TraceSession> prepare(const Accel& accel, const Scene&, int threads,
+                                                      bool coherent) const override {
+    // Without the compressing stores of AVX-512, turns cost more than they gain.
+    const bool can_compress = simd_ == Simd::best && best_simd() == "AVX-512";
+    const bool in_turns = schedule_ == "auto" ? !coherent && can_compress : schedule_ == "in-turns";
+    const Schedule schedule = in_turns ? Schedule::in_turns : Schedule::one_by_one;
+    return std::make_unique<WideSession>(dynamic_cast<const WideBvh&>(accel), schedule, simd_, threads);
   }
 
  private:
+  std::string schedule_;
   Simd simd_;
 };
 

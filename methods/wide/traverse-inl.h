@@ -29,13 +29,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <int n>
 using FloatsOf = hn::CappedTag<float, n>;
 
-template <class D, class M>
-HWY_INLINE unsigned mask_bits(D d, M mask) {
-  std::array<std::uint8_t, 8> bytes{};
-  hn::StoreMaskBits(d, mask, bytes.data());
-  unsigned bits = 0;
-  __builtin_memcpy(&bits, bytes.data(), sizeof(bits));
-  return bits;
+/// Bit i: lane i of the mask. Through a register, not by way of memory (StoreMaskBits), for which every node would wait.
+template <class M>
+HWY_INLINE unsigned mask_bits(M mask) {
+#if HWY_TARGET <= HWY_AVX3
+  return mask.raw;
+#else
+  return static_cast<unsigned>(hn::detail::BitsFromMask(mask));
+#endif
 }
 
 /// A ray's slab constants in all lanes, and where the near planes of each axis lie in a node.
@@ -55,68 +56,58 @@ struct SlabVectors {
         fx(hn::Set(d, ray.far_offset[0])),
         fy(hn::Set(d, ray.far_offset[1])),
         fz(hn::Set(d, ray.far_offset[2])),
-        x(ray.near_plane[0]),
-        y(ray.near_plane[1]),
-        z(ray.near_plane[2]) {}
+        x(ray.negative & 1U),
+        y((ray.negative >> 1U) & 1U),
+        z(ray.negative >> 2U) {}
 };
 
-/// Tests all boxes of a node: bit i tells that box i is met within [tmin, tmax] of the boxes' t, near[i] where it is entered.
+/// Where boxes are entered and left, within the limits of the ray; a box is met where enter <= leave.
+template <class D>
+struct Slabs {
+  hn::Vec<D> enter;
+  hn::Vec<D> leave;
+  [[nodiscard]] HWY_INLINE auto met() const { return hn::Le(enter, leave); }
+};
+
+/// Tests the boxes of the slots from `lane` on against the part of the ray in [tmin, tmax] of the boxes' t.
 template <class D, int W>
-HWY_INLINE unsigned test_node(D d, const WideNode<W>& node, const SlabVectors<D>& ray, hn::Vec<D> tmin, hn::Vec<D> tmax,
-                              float* near) {
-  unsigned bits = 0;
-  for (std::size_t lane = 0; lane < W; lane += hn::Lanes(d)) {
-    const auto plane = [&](std::size_t axis, std::size_t side) { return hn::Load(d, node.bounds[axis][side].data() + lane); };
-    const auto enter_x = hn::MulSub(plane(0, ray.x), ray.rx, ray.nx);
-    const auto enter_y = hn::MulSub(plane(1, ray.y), ray.ry, ray.ny);
-    const auto enter_z = hn::MulSub(plane(2, ray.z), ray.rz, ray.nz);
-    const auto leave_x = hn::MulSub(plane(0, 1 - ray.x), ray.rx, ray.fx);
-    const auto leave_y = hn::MulSub(plane(1, 1 - ray.y), ray.ry, ray.fy);
-    const auto leave_z = hn::MulSub(plane(2, 1 - ray.z), ray.rz, ray.fz);
-    const auto enter = hn::Max(hn::Max(enter_x, enter_y), hn::Max(enter_z, tmin));
-    const auto leave = hn::Min(hn::Min(leave_x, leave_y), hn::Min(leave_z, tmax));
-    hn::Store(enter, d, near + lane);
-    bits |= mask_bits(d, hn::Le(enter, leave)) << lane;
-  }
-  return bits;
+HWY_INLINE Slabs<D> test_boxes(D d, const WideNode<W>& node, std::size_t lane, const SlabVectors<D>& ray, hn::Vec<D> tmin,
+                               hn::Vec<D> tmax) {
+  const auto plane = [&](std::size_t axis, std::size_t side) { return hn::Load(d, node.bounds[axis][side].data() + lane); };
+  const auto enter_x = hn::MulSub(plane(0, ray.x), ray.rx, ray.nx);
+  const auto enter_y = hn::MulSub(plane(1, ray.y), ray.ry, ray.ny);
+  const auto enter_z = hn::MulSub(plane(2, ray.z), ray.rz, ray.nz);
+  const auto leave_x = hn::MulSub(plane(0, 1 - ray.x), ray.rx, ray.fx);
+  const auto leave_y = hn::MulSub(plane(1, 1 - ray.y), ray.ry, ray.fy);
+  const auto leave_z = hn::MulSub(plane(2, 1 - ray.z), ray.rz, ray.fz);
+  return {hn::Max(hn::Max(enter_x, enter_y), hn::Max(enter_z, tmin)), hn::Min(hn::Min(leave_x, leave_y), hn::Min(leave_z, tmax))};
 }
 
-/// The 8-bit planes on a node's own grid: with the scale a power of two, plane · scale · reciprocal is exact but for one
-/// rounding.
+/// The 8-bit planes on a node's own grid: its scale is a power of two, so that scale · reciprocal is exact.
 template <class D, int W>
-HWY_INLINE unsigned test_node(D d, const QuantizedNode<W>& node, const SlabVectors<D>& ray, hn::Vec<D> tmin, hn::Vec<D> tmax,
-                              float* near) {
+HWY_INLINE Slabs<D> test_boxes(D d, const QuantizedNode<W>& node, std::size_t lane, const SlabVectors<D>& ray, hn::Vec<D> tmin,
+                               hn::Vec<D> tmax) {
   const hn::Rebind<std::uint8_t, D> d8;
   const hn::Rebind<std::int32_t, D> d32;
-  const auto sx = hn::Mul(ray.rx, hn::Set(d, node.scale(0)));
-  const auto sy = hn::Mul(ray.ry, hn::Set(d, node.scale(1)));
-  const auto sz = hn::Mul(ray.rz, hn::Set(d, node.scale(2)));
+  const auto plane = [&](std::size_t axis, std::size_t side) {
+    return hn::ConvertTo(d, hn::PromoteTo(d32, hn::LoadU(d8, node.bounds[axis][side].data() + lane)));
+  };
   const auto ox = hn::Set(d, node.origin[0]);
   const auto oy = hn::Set(d, node.origin[1]);
   const auto oz = hn::Set(d, node.origin[2]);
-  const auto nx = hn::MulSub(ox, ray.rx, ray.nx);
-  const auto ny = hn::MulSub(oy, ray.ry, ray.ny);
-  const auto nz = hn::MulSub(oz, ray.rz, ray.nz);
-  const auto fx = hn::MulSub(ox, ray.rx, ray.fx);
-  const auto fy = hn::MulSub(oy, ray.ry, ray.fy);
-  const auto fz = hn::MulSub(oz, ray.rz, ray.fz);
-  unsigned bits = 0;
-  for (std::size_t lane = 0; lane < W; lane += hn::Lanes(d)) {
-    const auto plane = [&](std::size_t axis, std::size_t side) {
-      return hn::ConvertTo(d, hn::PromoteTo(d32, hn::LoadU(d8, node.bounds[axis][side].data() + lane)));
-    };
-    const auto enter_x = hn::MulAdd(plane(0, ray.x), sx, nx);
-    const auto enter_y = hn::MulAdd(plane(1, ray.y), sy, ny);
-    const auto enter_z = hn::MulAdd(plane(2, ray.z), sz, nz);
-    const auto leave_x = hn::MulAdd(plane(0, 1 - ray.x), sx, fx);
-    const auto leave_y = hn::MulAdd(plane(1, 1 - ray.y), sy, fy);
-    const auto leave_z = hn::MulAdd(plane(2, 1 - ray.z), sz, fz);
-    const auto enter = hn::Max(hn::Max(enter_x, enter_y), hn::Max(enter_z, tmin));
-    const auto leave = hn::Min(hn::Min(leave_x, leave_y), hn::Min(leave_z, tmax));
-    hn::Store(enter, d, near + lane);
-    bits |= mask_bits(d, hn::Le(enter, leave)) << lane;
-  }
-  return bits & ((1U << static_cast<unsigned>(node.used())) - 1U);
+  const auto sx = hn::Mul(ray.rx, hn::Set(d, node.scale(0)));
+  const auto sy = hn::Mul(ray.ry, hn::Set(d, node.scale(1)));
+  const auto sz = hn::Mul(ray.rz, hn::Set(d, node.scale(2)));
+  const auto enter_x = hn::MulAdd(plane(0, ray.x), sx, hn::MulSub(ox, ray.rx, ray.nx));
+  const auto enter_y = hn::MulAdd(plane(1, ray.y), sy, hn::MulSub(oy, ray.ry, ray.ny));
+  const auto enter_z = hn::MulAdd(plane(2, ray.z), sz, hn::MulSub(oz, ray.rz, ray.nz));
+  const auto leave_x = hn::MulAdd(plane(0, 1 - ray.x), sx, hn::MulSub(ox, ray.rx, ray.fx));
+  const auto leave_y = hn::MulAdd(plane(1, 1 - ray.y), sy, hn::MulSub(oy, ray.ry, ray.fy));
+  const auto leave_z = hn::MulAdd(plane(2, 1 - ray.z), sz, hn::MulSub(oz, ray.rz, ray.fz));
+  const auto enter = hn::Max(hn::Max(enter_x, enter_y), hn::Max(enter_z, tmin));
+  const auto leave = hn::Min(hn::Min(leave_x, leave_y), hn::Min(leave_z, tmax));
+  const std::size_t used = static_cast<std::size_t>(node.used());
+  return {hn::IfThenElse(hn::FirstN(d, used > lane ? used - lane : 0), enter, hn::Inf(d)), leave};
 }
 
 /// A ray's constants of the watertight test in all lanes.
@@ -162,7 +153,7 @@ HWY_INLINE bool test_leaf(D d, const Tree& tree, std::uint32_t child, const Wide
     const auto negative = hn::Or(hn::Or(hn::Lt(u, zero), hn::Lt(v, zero)), hn::Lt(w, zero));
     const auto positive = hn::Or(hn::Or(hn::Gt(u, zero), hn::Gt(v, zero)), hn::Gt(w, zero));
     unsigned candidates =
-        ~mask_bits(d, hn::And(negative, positive)) & ((1U << std::min<std::uint32_t>(n - begin, hn::Lanes(d))) - 1U);
+        ~mask_bits(hn::And(negative, positive)) & ((1U << std::min<std::uint32_t>(n - begin, hn::Lanes(d))) - 1U);
     while (candidates != 0) {
       const auto i = begin + static_cast<std::uint32_t>(std::countr_zero(candidates));
       candidates &= candidates - 1;
@@ -172,29 +163,61 @@ HWY_INLINE bool test_leaf(D d, const Tree& tree, std::uint32_t child, const Wide
   return nearer;
 }
 
-/// Children that wait for their turn.
+/// Children that can wait in a tree, and room past them for what a vector writes of a whole node's.
+[[nodiscard]] inline std::size_t stack_room(const Tree& tree, std::size_t width) {
+  return std::size_t{tree.height} * (width - 1) + 1 + 2 * width;
+}
+
+/// A child that waits for its turn.
 struct Pending {
   std::uint32_t child;
   float near;
 };
 
-/// Ordered traversal: the nearest child next, the others on the stack, and what waits there is dropped once a nearer hit is
-/// known.
+/// Puts all children of `met` on the stack but the one in the last slot, and returns that.
+template <class Node>
+HWY_INLINE std::uint32_t push_by_slot(const Node& node, unsigned met, Pending*& top) {
+  const auto slot = [&] { return static_cast<std::size_t>(std::countr_zero(met)); };
+  for (; (met & (met - 1)) != 0; met &= met - 1) *top++ = {node.child[slot()], 0};
+  return node.child[slot()];
+}
+
+/// The same with the nearest child, and the others sorted, the nearest on top.
+template <class Node>
+HWY_INLINE std::uint32_t push_by_distance(const Node& node, unsigned met, const std::array<float, Node::width>& near,
+                                          Pending*& top) {
+  auto slot = static_cast<std::size_t>(std::countr_zero(met));
+  Pending nearest{node.child[slot], near[slot]};
+  Pending* const bottom = top;
+  for (met &= met - 1; met != 0; met &= met - 1) {
+    slot = static_cast<std::size_t>(std::countr_zero(met));
+    Pending next{node.child[slot], near[slot]};
+    if (next.near < nearest.near) std::swap(next, nearest);
+    Pending* at = top++;
+    for (; at > bottom && at[-1].near < next.near; --at) *at = at[-1];
+    *at = next;
+  }
+  return nearest.child;
+}
+
+/// Ordered traversal of one ray: the nearest child goes on, the others wait in the order of their distance, and what waits is
+/// dropped once a nearer hit is known. An any hit takes the slots by descending area.
 template <class Node, bool any, class Counter>
 HWY_INLINE Hit trace_one(const Tree& tree, const Ray& input, Pending* const stack, Counter& counter) {
-  constexpr int W = Node::width;
-  const FloatsOf<W> d;
+  constexpr std::size_t W = Node::width;
+  using D = FloatsOf<Node::width>;
+  const D d;
   const FloatsOf<8> d_leaf;
   const WideRay ray(input, tree.slabs);
   if (!ray.valid) return {};
-  const SlabVectors<FloatsOf<W>> slabs(d, ray);
+  const SlabVectors<D> slabs(d, ray);
   const ShearVectors<FloatsOf<8>> shear(d_leaf, ray);
   const auto* const nodes = static_cast<const Node*>(tree.nodes);
   const auto tmin = hn::Set(d, ray.scaled(input.tmin));
   Hit hit;
   hit.t = input.tmax;
-  auto tmax = hn::Set(d, ray.scaled(hit.t));
   float farthest = ray.scaled(hit.t);
+  auto tmax = hn::Set(d, farthest);
   Pending* top = stack;
   std::uint32_t child = 0;
   while (true) {
@@ -203,30 +226,14 @@ HWY_INLINE Hit trace_one(const Tree& tree, const Ray& input, Pending* const stac
       counter.inner();
       counter.boxes(W);
       HWY_ALIGN std::array<float, W> near;
-      unsigned met = test_node(d, node, slabs, tmin, tmax, near.data());
+      unsigned met = 0;
+      for (std::size_t lane = 0; lane < W; lane += hn::MaxLanes(d)) {
+        const Slabs<D> boxes = test_boxes(d, node, lane, slabs, tmin, tmax);
+        if constexpr (!any) hn::Store(boxes.enter, d, near.data() + lane);
+        met |= mask_bits(boxes.met()) << lane;
+      }
       if (met != 0) {
-        auto i = static_cast<std::size_t>(std::countr_zero(met));
-        met &= met - 1;
-        child = node.child[i];
-        if (met == 0) continue;
-        if constexpr (any) {
-          for (; met != 0; met &= met - 1) *top++ = {node.child[static_cast<std::size_t>(std::countr_zero(met))], 0};
-        } else {
-          float nearest = near[i];
-          Pending* const base = top;
-          do {
-            i = static_cast<std::size_t>(std::countr_zero(met));
-            met &= met - 1;
-            Pending next{node.child[i], near[i]};
-            if (next.near < nearest) {
-              std::swap(next.child, child);
-              std::swap(next.near, nearest);
-            }
-            Pending* at = top++;
-            for (; at > base && at[-1].near < next.near; --at) *at = at[-1];
-            *at = next;
-          } while (met != 0);
-        }
+        child = any ? push_by_slot(node, met, top) : push_by_distance(node, met, near, top);
         continue;
       }
     } else {
@@ -248,7 +255,7 @@ HWY_INLINE Hit trace_one(const Tree& tree, const Ray& input, Pending* const stac
 
 template <class Node, class Counter, class Write>
 HWY_INLINE void trace_rays(const Tree& tree, std::span<const Ray> rays, Query query, Counter& counter, Write&& write) {
-  std::vector<Pending> stack(std::size_t{tree.height} * (Node::width - 1) + 1);
+  std::vector<Pending> stack(stack_room(tree, Node::width));
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Hit hit = query == Query::any_hit ? trace_one<Node, true>(tree, rays[i], stack.data(), counter)
                                             : trace_one<Node, false>(tree, rays[i], stack.data(), counter);

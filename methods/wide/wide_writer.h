@@ -78,7 +78,7 @@ class WideWriter {
   void write_node(Node& node, const Pending& at, std::uint32_t index, std::vector<Pending>& pending) {
     std::array<Part, width> parts;
     const std::uint32_t count = children(at.part, parts);
-    std::stable_sort(parts.begin(), parts.begin() + count, [](const Part& a, const Part& b) { return a.measure > b.measure; });
+    std::stable_sort(parts.begin(), parts.begin() + count, [](const Part& a, const Part& b) { return a.measure < b.measure; });
     std::array<Box, width> boxes;
     for (std::uint32_t i = 0; i < count; ++i) {
       boxes[i] = bvh_.nodes[parts[i].node].box;
@@ -86,6 +86,7 @@ class WideWriter {
     }
     for (std::size_t i = count; i < width; ++i) node.child[i] = WideChild::none;
     set_boxes(node, {boxes.data(), count});
+    node.order = slot_orders<Node::width>({boxes.data(), count});
     for (std::uint32_t i = count; i-- > 0;) {
       if (!parts[i].leaf) pending.push_back({parts[i], index, i, at.depth + 1});
     }

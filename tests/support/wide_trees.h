@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,9 @@ struct HandMade {
     nodes[0].child[0] = 1;
     nodes[0].child[1] = leaf({3, 4});
     nodes[0].child[2] = leaf({5});
+    for (Node& node : nodes) {
+      for (auto& row : node.order) std::iota(row.begin(), row.end(), std::uint8_t{0});
+    }
     bvh.corners.resize(bvh.corners.size() + WideBvh::padding);
     bvh.bounds = scene.bounds;
     bvh.height = 2;
