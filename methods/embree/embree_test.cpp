@@ -59,7 +59,7 @@ TEST(Embree, EveryWidthAndFlagHitsTheSame) {
           build(scene, {{"quality", std::string(quality)}, {"robust", flag}, {"compact", flag}, {"dynamic", flag}});
       EXPECT_EQ(accel->kind(), "embree");
       EXPECT_GT(accel->bytes(), 0U);
-      for (const char* width : {"1", "8", "16"}) {
+      for (const char* width : {"1", "8", "16", "stream"}) {
         const std::vector<Hit> closest = trace(*accel, scene, width, Query::closest_hit);
         const std::vector<Hit> any = trace(*accel, scene, width, Query::any_hit, 2);
         for (std::size_t i = 0; i < rays.size(); ++i) {

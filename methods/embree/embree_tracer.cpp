@@ -5,6 +5,7 @@
 #include <array>
 #include <stdexcept>
 
+#include "harness/base/unsupported.h"
 #include "harness/method/parallel_rays.h"
 #include "harness/method/registry.h"
 #include "methods/embree/embree_accel.h"
@@ -60,10 +61,56 @@ void set_ray(Packet& out, std::size_t i, const Ray& ray) {
 /// Where Embree found nothing it leaves geomID invalid; tfar of an occluded ray becomes -inf.
 bool is_occluded(float tfar) { return tfar < 0; }
 
+#if RAYSTUDY_EMBREE_STREAMS
+/// The rays of a tile, each component in an array of its own: the layout that Embree's streams trace without copying it first.
+struct alignas(64) RayStream {
+  template <class T>
+  using Lane = std::array<T, rays_in_tile>;
+
+  Lane<float> org_x, org_y, org_z, tnear, dir_x, dir_y, dir_z, time, tfar;
+  Lane<unsigned> mask, id, flags;
+  [[nodiscard]] RTCRayNp pointers() {
+    return {org_x.data(), org_y.data(), org_z.data(), tnear.data(), dir_x.data(), dir_y.data(),
+            dir_z.data(), time.data(),  tfar.data(),  mask.data(),  id.data(),    flags.data()};
+  }
+};
+struct alignas(64) HitStream {
+  RayStream::Lane<float> normal_x, normal_y, normal_z, u, v;
+  RayStream::Lane<unsigned> primitive, geometry, instance;
+  [[nodiscard]] RTCHitNp pointers() {
+    return {normal_x.data(), normal_y.data(),  normal_z.data(), u.data(),
+            v.data(),        primitive.data(), geometry.data(), {instance.data()}};
+  }
+};
+
+void trace_stream(RTCScene scene, bool coherent, std::span<const Ray> rays, std::span<Hit> hits, Query query) {
+  QueryFlags query_flags(coherent);
+  RayStream stream;
+  for (std::size_t i = 0; i < rays.size(); ++i) set_ray(stream, i, rays[i]);
+  const auto count = static_cast<unsigned>(rays.size());
+  if (query == Query::any_hit) {
+    query_flags.occluded(scene, stream.pointers(), count);
+    for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = is_occluded(stream.tfar[i]) ? occluded_hit : Hit{};
+    return;
+  }
+  HitStream found;
+  std::fill_n(found.geometry.begin(), rays.size(), RTC_INVALID_GEOMETRY_ID);
+  query_flags.intersect(scene, {stream.pointers(), found.pointers()}, count);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    hits[i] =
+        found.geometry[i] == RTC_INVALID_GEOMETRY_ID ? Hit{} : Hit{stream.tfar[i], found.primitive[i], found.u[i], found.v[i]};
+  }
+}
+#else
+/// EmbreeTracer refuses streams.
+void trace_stream(RTCScene, bool, std::span<const Ray>, std::span<Hit>, Query) {}
+#endif
+
 }  // namespace
 
 class EmbreeSession final : public TraceSession {
  public:
+  /// `width` rays a call: 1, 8, 16, or 0 for a stream.
   EmbreeSession(const EmbreeAccel& accel, int width, int threads, bool coherent)
       : accel_(accel), width_(width), threads_(threads), coherent_(coherent) {}
 
@@ -77,6 +124,8 @@ class EmbreeSession final : public TraceSession {
       const auto out = hits.subspan(begin, end - begin);
       if (width_ == 1) {
         trace_single(tile, out, query);
+      } else if (width_ == 0) {
+        trace_stream(accel_.handle(), coherent_, tile, out, query);
       } else if (width_ == 8) {
         trace_packets<RTCRayHit8, RTCRay8, 8>(tile, out, query);
       } else {
@@ -142,14 +191,19 @@ class EmbreeSession final : public TraceSession {
 
 class EmbreeTracer final : public Tracer {
  public:
-  explicit EmbreeTracer(const Params& params) : width_(std::stoi(params.text("width"))), coherent_(params.text("coherent")) {}
+  explicit EmbreeTracer(const Params& params)
+      : width_(params.text("width") == "stream" ? 0 : std::stoi(params.text("width"))), coherent_(params.text("coherent")) {
+    if (width_ != 0 || RAYSTUDY_EMBREE_STREAMS != 0) return;
+    throw Unsupported("Embree 4 has no ray streams; expected Embree 3, or a width of 1, 8 or 16");
+  }
   static MethodInfo info() {
     return {.name = "embree",
-            .summary = "Embree's own traversal: single rays (rtcIntersect1, rtcOccluded1) or packets of 8 or 16",
+            .summary = "Embree's own traversal: single rays (rtcIntersect1, rtcOccluded1), packets of 8 or 16, or streams",
             .citation = "Wald, Woop, Benthin, Johnson, Ernst 2014, Embree: A Kernel Framework for Efficient CPU Ray Tracing",
-            .params = {choice_param("width", {"1", "8", "16"}, "rays in a packet"),
+            .params = {choice_param("width", {"1", "8", "16", "stream"},
+                                    "rays in a packet; stream: rtcIntersectNp, rtcOccludedNp of 1024 rays (Embree 3 only)"),
                        choice_param("coherent", {"auto", "on", "off"},
-                                    "Embree's hint that the rays of a packet go the same way; auto: as the workload says")},
+                                    "Embree's hint that the rays of a call go the same way; auto: as the workload says")},
             .accel = std::string(EmbreeAccel::kind_name)};
   }
   [[nodiscard]] std::unique_ptr<TraceSession> prepare(const Accel& accel, const Scene&, int threads,

@@ -1,7 +1,7 @@
 #pragma once
 
-/// What differs between Embree 3.13 and Embree 4, in one place: the headers' folder, and where the flags of a query go (a context
-/// before the ray in 3, optional arguments after it in 4).
+/// What differs between Embree 3.13 and Embree 4, in one place: the headers' folder, where the flags of a query go (a context
+/// before the ray in 3, optional arguments after it in 4), and ray streams, which 4 has no longer.
 
 #if RAYSTUDY_EMBREE_MAJOR >= 4
 #include <embree4/rtcore.h>
@@ -10,6 +10,12 @@
 #endif
 
 namespace raystudy::embree {
+
+#if RAYSTUDY_EMBREE_MAJOR >= 4
+#define RAYSTUDY_EMBREE_STREAMS 0
+#else
+#define RAYSTUDY_EMBREE_STREAMS 1
+#endif
 
 /// The flags of a call of rtcIntersect* or rtcOccluded*.
 class QueryFlags {
@@ -45,6 +51,8 @@ class QueryFlags {
   void occluded(RTCScene scene, const int*, RTCRay& r) { rtcOccluded1(scene, &context_, &r); }
   void occluded(RTCScene scene, const int* valid, RTCRay8& r) { rtcOccluded8(valid, scene, &context_, &r); }
   void occluded(RTCScene scene, const int* valid, RTCRay16& r) { rtcOccluded16(valid, scene, &context_, &r); }
+  void intersect(RTCScene scene, const RTCRayHitNp& r, unsigned count) { rtcIntersectNp(scene, &context_, &r, count); }
+  void occluded(RTCScene scene, const RTCRayNp& r, unsigned count) { rtcOccludedNp(scene, &context_, &r, count); }
 
  private:
   RTCIntersectContext context_;
