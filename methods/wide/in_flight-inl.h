@@ -200,7 +200,8 @@ class RaysInFlight {
       Flight& flight = flights_[slot];
       flight.counter.leaf();
       flight.counter.triangles(WideChild::count(flight.child));
-      if (test_leaf(d, tree_, flight.child, *flight.ray, ShearVectors<FloatsOf<8>>(d, *flight.ray), flight.tmin, flight.hit)) {
+      if (test_leaf<any>(d, tree_, flight.child, *flight.ray, ShearVectors<FloatsOf<8>>(d, *flight.ray), flight.tmin,
+                         flight.hit)) {
         if (any) {
           flight.waiting = 0;
         } else {

@@ -13,7 +13,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "harness/accel/wide_bvh.h"
 #include "harness/geometry/watertight.h"
@@ -124,14 +126,38 @@ struct ShearVectors {
         sy(hn::Set(d, ray.shear_up)) {}
 };
 
-/// Tests a leaf's triangles, as many at a time as a vector has lanes, by the signs of the edge functions (watertight.h); the few
-/// that are left are decided one by one, with the very roundings of the scalar test. True where a nearer hit was found.
-template <class D>
+/// Where along its longest axis, from the origin, a ray meets nothing outside of `low` to `high`, and what it surely can meet
+/// inside of `inner_low` to `inner_high`. A hit's t is, but for a rounding, a mean of its corners' depths over the direction's
+/// component, so that corners which are all beyond a limit are out, and corners which are all within are in. The margins are far
+/// larger than the roundings.
+struct Depths {
+  float low, high, inner_low, inner_high;
+
+  HWY_INLINE Depths(const WideRay& ray, float tmin, float tmax) {
+    constexpr float largest = std::numeric_limits<float>::max();
+    const float a = tmin * ray.direction_along;
+    const float b = std::clamp(tmax * ray.direction_along, -largest, largest);
+    const float from = std::min(a, b);
+    const float to = std::max(a, b);
+    const float from_margin = std::fabs(from) * 0x1p-20F + std::numeric_limits<float>::min();
+    const float to_margin = std::fabs(to) * 0x1p-20F + std::numeric_limits<float>::min();
+    low = from - from_margin;
+    high = to + to_margin;
+    inner_low = from + from_margin;
+    inner_high = to - to_margin;
+  }
+};
+
+/// Tests a leaf's triangles, as many at a time as a vector has lanes, by the signs of the edge functions (watertight.h) and by
+/// depth; the few that are left are decided one by one, with the very roundings of the scalar test. Signs that are not 0 are
+/// right, which for an any hit decides most triangles at once. True where a nearer hit was found.
+template <bool any, class D>
 HWY_INLINE bool test_leaf(D d, const Tree& tree, std::uint32_t child, const WideRay& ray, const ShearVectors<D>& shear,
                           float tmin, Hit& hit) {
   const std::uint32_t first = WideChild::first(child);
   const std::uint32_t n = WideChild::count(child);
   const float* const rows = tree.corners + std::size_t{9} * first;
+  const Depths depths(ray, tmin, hit.t);
   bool nearer = false;
   for (std::uint32_t begin = 0; begin < n; begin += static_cast<std::uint32_t>(hn::Lanes(d))) {
     const auto row = [&](int axis, int corner) {
@@ -152,8 +178,20 @@ HWY_INLINE bool test_leaf(D d, const Tree& tree, std::uint32_t child, const Wide
     const auto zero = hn::Zero(d);
     const auto negative = hn::Or(hn::Or(hn::Lt(u, zero), hn::Lt(v, zero)), hn::Lt(w, zero));
     const auto positive = hn::Or(hn::Or(hn::Gt(u, zero), hn::Gt(v, zero)), hn::Gt(w, zero));
-    unsigned candidates =
-        ~mask_bits(hn::And(negative, positive)) & ((1U << std::min<std::uint32_t>(n - begin, hn::Lanes(d))) - 1U);
+    const auto shallowest = hn::Min(hn::Min(az, bz), cz);
+    const auto deepest = hn::Max(hn::Max(az, bz), cz);
+    const auto out = hn::Or(hn::Gt(shallowest, hn::Set(d, depths.high)), hn::Lt(deepest, hn::Set(d, depths.low)));
+    const unsigned lanes = (1U << std::min<std::uint32_t>(n - begin, static_cast<std::uint32_t>(hn::Lanes(d)))) - 1U;
+    unsigned candidates = ~mask_bits(hn::Or(hn::And(negative, positive), out)) & lanes;
+    if constexpr (any) {
+      const auto in = hn::And(hn::Gt(shallowest, hn::Set(d, depths.inner_low)), hn::Lt(deepest, hn::Set(d, depths.inner_high)));
+      const auto signs = hn::And(hn::And(hn::Ne(u, zero), hn::Ne(v, zero)), hn::Ne(w, zero));
+      const unsigned certain = candidates & mask_bits(hn::And(in, signs));
+      if (certain != 0) {
+        hit.triangle = tree.triangles[first + begin + static_cast<std::uint32_t>(std::countr_zero(certain))];
+        return true;
+      }
+    }
     while (candidates != 0) {
       const auto i = begin + static_cast<std::uint32_t>(std::countr_zero(candidates));
       candidates &= candidates - 1;
@@ -239,7 +277,7 @@ HWY_INLINE Hit trace_one(const Tree& tree, const Ray& input, Pending* const stac
     } else {
       counter.leaf();
       counter.triangles(WideChild::count(child));
-      if (test_leaf(d_leaf, tree, child, ray, shear, input.tmin, hit)) {
+      if (test_leaf<any>(d_leaf, tree, child, ray, shear, input.tmin, hit)) {
         if constexpr (any) return hit;
         farthest = ray.scaled(hit.t);
         tmax = hn::Set(d, farthest);
