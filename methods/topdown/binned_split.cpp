@@ -1,22 +1,24 @@
 #include "methods/topdown/binned_split.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 
 namespace raystudy::topdown {
 
 BinnedSplitter::BinnedSplitter(const Measure& measure, std::uint32_t bins, int threads)
     : measure_(&measure),
-      surface_area_(dynamic_cast<const SurfaceArea*>(&measure) != nullptr),
+      surface_area_(dynamic_cast<const SurfaceArea*>(&measure)),
       most_(bins),
       threads_(threads),
       bins_((bins + 3) / 4 * 4),
       odd_((bins + 3) / 4 * 4),
-      left_(bins_.boxes.size()),
       right_(bins_.boxes.size() + 1) {}
 
 void BinnedSplitter::Bins::clear(std::uint32_t row) {
   const WideBox empty = WideBox::empty();
-  for (std::size_t i = 0; i < std::size_t{3} * row; ++i) empty.store(boxes[i]);
+  BoxRecord* box = boxes.data();
+  for (const BoxRecord* end = box + std::size_t{3} * row; box < end; ++box) empty.store(*box);
   std::fill_n(counts.begin(), std::size_t{3} * row, 0);
 }
 
@@ -27,50 +29,51 @@ void BinnedSplitter::Bins::merge(const Bins& other, std::uint32_t row) {
   }
 }
 
-BinnedSplitter::Binning::Binning(const NodeBounds& bounds, std::uint32_t bins)
+BinnedSplitter::Binning::Binning(const NodeBounds& bounds, std::uint32_t bins, std::uint32_t row_size)
     : origin(bounds.first_center), last(hn::Set(Float4(), static_cast<float>(bins) - 1)) {
   const Float4 d;
   const auto extent = hn::Sub(bounds.last_center, bounds.first_center);
   const auto some = hn::And(hn::Gt(extent, hn::Zero(d)), hn::FirstN(d, 3));
+  row = hn::Mul(hn::Iota(Int4(), 0), hn::Set(Int4(), static_cast<std::int32_t>(4 * row_size)));
   scale = hn::IfThenElseZero(some, hn::Div(hn::Set(d, static_cast<float>(bins)), extent));
   // The fourth lane of a record looks like a denormal number, and to multiply those is very slow; a 1 takes it away.
   origin = hn::IfThenElse(hn::FirstN(d, 3), origin, hn::Set(d, 1.0F));
 }
 
-BinnedSplitter::Binning::OnAxis BinnedSplitter::Binning::on_axis(int axis) const {
+Plane BinnedSplitter::Binning::plane(int axis, std::int32_t bin) const {
   const Float4 d;
   alignas(16) float origins[4];
   alignas(16) float scales[4];
   hn::Store(origin, d, origins);
   hn::Store(scale, d, scales);
-  return {axis, origins[axis], scales[axis], hn::GetLane(last)};
+  return {axis, origins[axis], scales[axis], static_cast<float>(bin)};
 }
 
 namespace {
 
 /// Pointers of their own: of vectors behind a reference the compiler would have to fear that a store changes them.
 struct BinPointers {
-  BoxRecord* boxes[3];
-  std::int32_t* counts[3];
+  char* boxes;
+  char* counts;
 
-  BinPointers(std::span<BoxRecord> b, std::span<std::int32_t> c, std::size_t row)
-      : boxes{b.data(), b.data() + row, b.data() + 2 * row}, counts{c.data(), c.data() + row, c.data() + 2 * row} {}
+  BinPointers(std::span<BoxRecord> b, std::span<std::int32_t> c)
+      : boxes(reinterpret_cast<char*>(b.data())), counts(reinterpret_cast<char*>(c.data())) {}
 
   void add(const WideBox& box, hn::Vec<Int4> bins) const {
-    alignas(16) std::int32_t at[4];
-    hn::Store(bins, Int4(), at);
-    for (int axis = 0; axis < 3; ++axis) {
-      BoxRecord& bin = boxes[axis][at[axis]];
+    const auto at = std::bit_cast<std::array<std::uint32_t, 4>>(bins);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t offset = at[axis];
+      BoxRecord& bin = *reinterpret_cast<BoxRecord*>(boxes + 8 * offset);
       united(WideBox::of(bin), box).store(bin);
-      ++counts[axis][at[axis]];
+      ++*reinterpret_cast<std::int32_t*>(counts + offset);
     }
   }
 };
 
 }  // namespace
 
-void BinnedSplitter::fill(Bins& bins, std::uint32_t row, std::span<const BoxRecord> records, const Binning& by_value) {
-  const BinPointers to(bins.boxes, bins.counts, row);
+void BinnedSplitter::fill(Bins& bins, std::span<const BoxRecord> records, const Binning& by_value) {
+  const BinPointers to(bins.boxes, bins.counts);
   const Binning binning = by_value;
   for (const BoxRecord& record : records) {
     const WideBox box = WideBox::of(record);
@@ -80,8 +83,8 @@ void BinnedSplitter::fill(Bins& bins, std::uint32_t row, std::span<const BoxReco
 
 void BinnedSplitter::fill_alternating(std::span<const BoxRecord> records, const Binning& by_value) {
   // Neighbours often share a bin, and the second then waits for the first's stores; with two sets of bins it does not.
-  const BinPointers even(bins_.boxes, bins_.counts, row_);
-  const BinPointers odd(odd_.boxes, odd_.counts, row_);
+  const BinPointers even(bins_.boxes, bins_.counts);
+  const BinPointers odd(odd_.boxes, odd_.counts);
   const Binning binning = by_value;
   odd_.clear(row_);
   std::size_t i = 0;
@@ -91,40 +94,101 @@ void BinnedSplitter::fill_alternating(std::span<const BoxRecord> records, const 
     even.add(a, binning(a));
     odd.add(b, binning(b));
   }
-  fill(bins_, row_, records.subspan(i), binning);
+  fill(bins_, records.subspan(i), binning);
   bins_.merge(odd_, row_);
 }
 
 void BinnedSplitter::fill_shared(std::span<const BoxRecord> records, const Binning& binning) {
-  const auto parts = pass_in_blocks(records, threads_, [&](std::span<const BoxRecord> part) {
+  const auto parts = pass_in_blocks(records, threads_, [&](std::span<const BoxRecord> part, std::size_t) {
     auto bins = std::make_unique<Bins>(row_);
     bins->clear(row_);
-    fill(*bins, row_, part, binning);
+    fill(*bins, part, binning);
     return bins;
   });
   bins_.clear(row_);
   for (const auto& part : parts) bins_.merge(*part, row_);
 }
 
-void BinnedSplitter::measure_sides() {
-  const Float4 d;
-  if (surface_area_) {
-    for (std::uint32_t row = 0; row < 3 * row_; row += row_) {
-      WideBox left = WideBox::empty();
-      WideBox right = WideBox::empty();
-      const auto bin = [&](std::uint32_t i) { return WideBox::of(bins_.boxes[i]); };
-      for (std::uint32_t i = row; i < row + row_; i += 4) {
-        hn::StoreU(grow<false>(left, bin(i), bin(i + 1), bin(i + 2), bin(i + 3)), d, &left_[i]);
-      }
-      for (std::uint32_t i = row + row_; i > row; i -= 4) {
-        hn::StoreU(grow<true>(right, bin(i - 1), bin(i - 2), bin(i - 3), bin(i - 4)), d, &right_[i - 4]);
-      }
-    }
-    return;
+namespace {
+
+/// `left` and the sums of it with one, two, three and four of the counts.
+hn::Vec<Int4> running_sums(hn::Vec<Int4> left, const std::int32_t* counts) {
+  const Int4 di;
+  auto sums = hn::LoadU(di, counts);
+  sums = hn::Add(sums, hn::ShiftLeftLanes<1>(di, sums));
+  sums = hn::Add(sums, hn::ShiftLeftLanes<2>(di, sums));
+  return hn::Add(left, sums);
+}
+
+}  // namespace
+
+/// The least cost so far in each of four lanes; of equal costs the first.
+struct BinnedSplitter::LeastCosts {
+  hn::Vec<Float4> cost = hn::Set(Float4(), std::numeric_limits<float>::infinity());
+  hn::Vec<Int4> at = hn::Zero(Int4());    ///< the bin before the split, by index into Bins
+  hn::Vec<Int4> left = hn::Zero(Int4());  ///< triangles of the left side
+
+  /// Takes in the splits after bins `first` to `first + 3`; `lefts` and `rights` are the triangles on either side.
+  void consider(std::uint32_t first, hn::Vec<Float4> left_measures, hn::Vec<Float4> right_measures, hn::Vec<Int4> lefts,
+                hn::Vec<Int4> rights) {
+    const Float4 d;
+    const Int4 di;
+    const auto c = hn::Add(hn::Mul(left_measures, hn::ConvertTo(d, lefts)), hn::Mul(right_measures, hn::ConvertTo(d, rights)));
+    const auto some = hn::And(hn::Gt(lefts, hn::Zero(di)), hn::Gt(rights, hn::Zero(di)));
+    const auto less = hn::And(hn::Lt(c, cost), hn::RebindMask(d, some));
+    const auto less_i = hn::RebindMask(di, less);
+    cost = hn::IfThenElse(less, c, cost);
+    at = hn::IfThenElse(less_i, hn::Iota(di, static_cast<std::int32_t>(first)), at);
+    left = hn::IfThenElse(less_i, lefts, left);
   }
-  std::vector<Box> lefts(std::size_t{3} * row_);
-  std::vector<Box> rights(lefts.size());
-  for (std::uint32_t row = 0; row < 3 * row_; row += row_) {
+
+  [[nodiscard]] Choice choice(std::uint32_t row) const {
+    const auto costs = std::bit_cast<std::array<float, 4>>(cost);
+    const auto ats = std::bit_cast<std::array<std::uint32_t, 4>>(at);
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < 4; ++i) {
+      const bool better = (costs[i] < costs[best]) | ((costs[i] == costs[best]) & (ats[i] < ats[best]));
+      best = better ? i : best;
+    }
+    if (!(costs[best] < std::numeric_limits<float>::infinity())) return {};
+    return {static_cast<int>(ats[best] / row), static_cast<std::int32_t>(ats[best] % row) + 1,
+            std::bit_cast<std::array<std::int32_t, 4>>(left)[best]};
+  }
+};
+
+BinnedSplitter::Choice BinnedSplitter::best_choice(const SurfaceArea&, std::int32_t n) {
+  const Float4 d;
+  const Int4 di;
+  const BoxRecord* boxes = bins_.boxes.data();
+  const std::int32_t* counts = bins_.counts.data();
+  float* rights = right_.data();
+  const auto bin = [&](std::uint32_t i) { return WideBox::of(boxes[i]); };
+  LeastCosts least;
+  const std::uint32_t row_size = row_;
+  for (std::uint32_t row = 0; row < 3 * row_size; row += row_size) {
+    WideBox right = WideBox::empty();
+    for (std::uint32_t i = row + row_size; i > row; i -= 4) {
+      hn::StoreU(grow<true>(right, bin(i - 1), bin(i - 2), bin(i - 3), bin(i - 4)), d, &rights[i - 4]);
+    }
+    WideBox left = WideBox::empty();
+    auto left_count = hn::Zero(di);
+    for (std::uint32_t i = row; i < row + row_size; i += 4) {
+      const auto lefts = running_sums(left_count, counts + i);
+      left_count = hn::Broadcast<3>(lefts);
+      const auto measures = grow<false>(left, bin(i), bin(i + 1), bin(i + 2), bin(i + 3));
+      least.consider(i, measures, hn::LoadU(d, &rights[i + 1]), lefts, hn::Sub(hn::Set(di, n), lefts));
+    }
+  }
+  return least.choice(row_size);
+}
+
+BinnedSplitter::Choice BinnedSplitter::best_choice(const Measure& measure, std::int32_t n) {
+  const Float4 d;
+  const Int4 di;
+  const std::uint32_t size = 3 * row_;
+  std::vector<Box> lefts(size);
+  std::vector<Box> rights(size);
+  for (std::uint32_t row = 0; row < size; row += row_) {
     WideBox left = WideBox::empty();
     WideBox right = WideBox::empty();
     for (std::uint32_t i = 0; i < row_; ++i) {
@@ -134,57 +198,26 @@ void BinnedSplitter::measure_sides() {
       rights[row + row_ - 1 - i] = right.box();
     }
   }
-  measure_->evaluate(lefts, std::span(left_).first(lefts.size()));
-  measure_->evaluate(rights, std::span(right_).first(rights.size()));
-}
-
-BinnedSplitter::Choice BinnedSplitter::best_choice(std::int32_t n) const {
-  const Float4 d;
-  const Int4 di;
-  const float infinity = std::numeric_limits<float>::infinity();
-  auto least = hn::Set(d, infinity);
-  auto where = hn::Zero(di);  // of the least cost in the lane: the bin before the split
-  auto left_then = hn::Zero(di);
-  const auto all = hn::Set(di, n);
-  for (std::uint32_t row = 0; row < 3 * row_; row += row_) {
-    auto left = hn::Zero(di);
+  std::vector<float> left_measures(size);
+  measure.evaluate(lefts, left_measures);
+  measure.evaluate(rights, std::span(right_).first(size));
+  LeastCosts least;
+  for (std::uint32_t row = 0; row < size; row += row_) {
+    auto left_count = hn::Zero(di);
     for (std::uint32_t i = row; i < row + row_; i += 4) {
-      auto counts = hn::LoadU(di, &bins_.counts[i]);
-      counts = hn::Add(counts, hn::ShiftLeftLanes<1>(di, counts));
-      counts = hn::Add(counts, hn::ShiftLeftLanes<2>(di, counts));
-      const auto lefts = hn::Add(left, counts);
-      const auto rights = hn::Sub(all, lefts);
-      left = hn::Broadcast<3>(lefts);
-      const auto cost = hn::Add(hn::Mul(hn::LoadU(d, &left_[i]), hn::ConvertTo(d, lefts)),
-                                hn::Mul(hn::LoadU(d, &right_[i + 1]), hn::ConvertTo(d, rights)));
-      const auto some = hn::And(hn::Gt(lefts, hn::Zero(di)), hn::Gt(rights, hn::Zero(di)));
-      const auto better = hn::And(hn::Lt(cost, least), hn::RebindMask(d, some));
-      least = hn::IfThenElse(better, cost, least);
-      where = hn::IfThenElse(hn::RebindMask(di, better), hn::Iota(di, static_cast<std::int32_t>(i)), where);
-      left_then = hn::IfThenElse(hn::RebindMask(di, better), lefts, left_then);
+      const auto counts = running_sums(left_count, &bins_.counts[i]);
+      left_count = hn::Broadcast<3>(counts);
+      least.consider(i, hn::LoadU(d, &left_measures[i]), hn::LoadU(d, &right_[i + 1]), counts, hn::Sub(hn::Set(di, n), counts));
     }
   }
-  alignas(16) float costs[4];
-  alignas(16) std::int32_t at[4];
-  alignas(16) std::int32_t lefts[4];
-  hn::Store(least, d, costs);
-  hn::Store(where, di, at);
-  hn::Store(left_then, di, lefts);
-  int best = 0;
-  for (int i = 1; i < 4; ++i) {
-    const bool better = (costs[i] < costs[best]) | ((costs[i] == costs[best]) & (at[i] < at[best]));
-    best = better ? i : best;
-  }
-  if (!(costs[best] < infinity)) return {};
-  const auto row = static_cast<std::int32_t>(row_);
-  return {at[best] / row, at[best] % row + 1, lefts[best]};
+  return least.choice(row_);
 }
 
-Division BinnedSplitter::split(std::span<BoxRecord> records, BoxRecord* spare, const NodeBounds& bounds) {
+Split BinnedSplitter::split(std::span<const BoxRecord> records, const NodeBounds& bounds) {
   const auto n = static_cast<std::uint32_t>(records.size());
   count_ = std::min(most_, std::max(n, 4U));
   row_ = (count_ + 3) / 4 * 4;
-  const Binning binning(bounds, count_);
+  const Binning binning(bounds, count_, row_);
   if (threads_ > 1 && records.size() >= shared_pass) {
     fill_shared(records, binning);
   } else {
@@ -192,16 +225,61 @@ Division BinnedSplitter::split(std::span<BoxRecord> records, BoxRecord* spare, c
     if (n >= 128) {
       fill_alternating(records, binning);
     } else {
-      fill(bins_, row_, records, binning);
+      fill(bins_, records, binning);
     }
   }
-  measure_sides();
-  const Choice choice = best_choice(static_cast<std::int32_t>(n));
-  if (choice.axis < 0) return split_at_median(records, bounds.box.box().longest_axis());
-  const auto bin = binning.on_axis(choice.axis);
-  const auto left = static_cast<std::uint32_t>(choice.left);
-  divide_records(records, spare, spare + left, [&](const BoxRecord& record) { return bin(record) < choice.bin; });
-  return {left, true};
+  const auto triangles = static_cast<std::int32_t>(n);
+  const Choice choice = surface_area_ != nullptr ? best_choice(*surface_area_, triangles) : best_choice(*measure_, triangles);
+  if (choice.axis < 0) return {{.axis = bounds.box.box().longest_axis()}, 0};
+  return {binning.plane(choice.axis, choice.bin), static_cast<std::uint32_t>(choice.left)};
+}
+
+namespace {
+
+/// split_at_median for a few.
+FewSet few_at_median(const FewBoxes& boxes, FewSet set) {
+  const int axis = WideBox::of(boxes.of(set)).box().longest_axis();
+  const auto before = [&](const BoxRecord& a, const BoxRecord& b) {
+    const float ca = doubled_center(a, axis);
+    const float cb = doubled_center(b, axis);
+    return ca < cb || (ca == cb && a.triangle < b.triangle);
+  };
+  FewSet left = 0;
+  for (FewSet one = 1; one <= set; one <<= 1) {
+    int rank = 0;
+    for (FewSet other = 1; other <= set; other <<= 1) {
+      if ((set & other) != 0) rank += before(boxes.of(other), boxes.of(one)) ? 1 : 0;
+    }
+    if ((set & one) != 0 && rank < std::popcount(set) / 2) left |= one;
+  }
+  return left;
+}
+
+}  // namespace
+
+FewSet BinnedSplitter::split_few(const FewBoxes& boxes, FewSet set) const {
+  const Float4 d;
+  NodeBounds bounds;
+  for (FewSet rest = set; rest != 0; rest &= rest - 1) bounds.extend(boxes.of(rest & (0U - rest)));
+  const std::uint32_t bins = std::min(most_, FewBoxes::most);
+  const Binning binning(bounds, bins, 4);
+  const auto at = [&](FewSet one) { return binning.place(WideBox::of(boxes.of(one))); };
+  // Transposed, so that a comparison with a bin tells which boxes go left.
+  const Lanes places(at(1), at(2), at(4), at(8));
+  float least = std::numeric_limits<float>::infinity();
+  FewSet best = 0;
+  for (const auto& axis : {places.x, places.y, places.z}) {
+    for (std::uint32_t bin = 1; bin < bins; ++bin) {
+      std::uint8_t bits[8] = {};
+      hn::StoreMaskBits(d, hn::Lt(axis, hn::Set(d, static_cast<float>(bin))), bits);
+      const FewSet left = bits[0] & set;
+      const float cost = boxes.weight(left) + boxes.weight(set ^ left);
+      const bool better = cost < least;
+      least = better ? cost : least;
+      best = better ? left : best;
+    }
+  }
+  return best != 0 ? best : few_at_median(boxes, set);
 }
 
 }  // namespace raystudy::topdown

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -15,10 +16,13 @@ namespace raystudy::topdown {
 /// along the longest axis of the node's box takes its place.
 class BinnedSplitter {
  public:
+  static constexpr std::uint32_t few = FewBoxes::most;
+
   /// `measure` must outlive the splitter.
   BinnedSplitter(const Measure& measure, std::uint32_t bins, int threads);
 
-  Division split(std::span<BoxRecord> records, BoxRecord* spare, const NodeBounds& bounds);
+  [[nodiscard]] Split split(std::span<const BoxRecord> records, const NodeBounds& bounds);
+  [[nodiscard]] FewSet split_few(const FewBoxes& boxes, FewSet set) const;
 
  private:
   /// Three rows of bins, one an axis; a row is filled up with empty bins to a multiple of four.
@@ -30,29 +34,29 @@ class BinnedSplitter {
     std::vector<std::int32_t> counts;
   };
 
+  /// ConvertTo without the mending of what is out of an integer's range.
+  [[nodiscard]] static hn::Vec<Int4> truncated(hn::Vec<Float4> v) {
+    using Floats = float __attribute__((vector_size(16)));
+    using Ints = std::int32_t __attribute__((vector_size(16)));
+    return std::bit_cast<hn::Vec<Int4>>(__builtin_convertvector(std::bit_cast<Floats>(v), Ints));
+  }
+
   /// From a triangle's box to its bin on each axis.
   struct Binning {
-    Binning(const NodeBounds& bounds, std::uint32_t bins);
+    Binning(const NodeBounds& bounds, std::uint32_t bins, std::uint32_t row);
+    /// Where between the bins the center lies: bin i is [i, i + 1), apart from the last, which holds what is not less.
+    [[nodiscard]] hn::Vec<Float4> place(const WideBox& box) const { return hn::Mul(hn::Sub(doubled_center(box), origin), scale); }
     [[nodiscard]] hn::Vec<Int4> operator()(const WideBox& box) const {
       // The minimum also holds what is not a number, of boxes too large for floats to have a center.
-      return hn::ConvertTo(Int4(), hn::Min(hn::Mul(hn::Sub(doubled_center(box), origin), scale), last));
+      return hn::Add(hn::ShiftLeft<2>(truncated(hn::Min(place(box), last))), row);
     }
-    /// The same on one axis.
-    struct OnAxis {
-      int axis;
-      float origin;
-      float scale;
-      float last;
-      [[nodiscard]] std::int32_t operator()(const BoxRecord& record) const {
-        const float at = (doubled_center(record, axis) - origin) * scale;
-        return static_cast<std::int32_t>(at < last ? at : last);
-      }
-    };
-    [[nodiscard]] OnAxis on_axis(int axis) const;
+    /// The plane between the bins before `bin`, which is not the first, and the others.
+    [[nodiscard]] Plane plane(int axis, std::int32_t bin) const;
 
     hn::Vec<Float4> origin;
     hn::Vec<Float4> scale;
     hn::Vec<Float4> last;
+    hn::Vec<Int4> row;
   };
 
   struct Choice {
@@ -61,22 +65,23 @@ class BinnedSplitter {
     std::int32_t left = 0;  ///< triangles of the left side
   };
 
-  static void fill(Bins& bins, std::uint32_t row, std::span<const BoxRecord> records, const Binning& binning);
+  static void fill(Bins& bins, std::span<const BoxRecord> records, const Binning& binning);
   void fill_alternating(std::span<const BoxRecord> records, const Binning& binning);
   void fill_shared(std::span<const BoxRecord> records, const Binning& binning);
-  void measure_sides();
-  [[nodiscard]] Choice best_choice(std::int32_t n) const;
+  struct LeastCosts;
+  /// Of splits between neighbouring bins of `n` triangles.
+  [[nodiscard]] Choice best_choice(const SurfaceArea&, std::int32_t n);
+  [[nodiscard]] Choice best_choice(const Measure& measure, std::int32_t n);
 
   const Measure* measure_;
-  bool surface_area_;
-  std::uint32_t most_;       ///< bins an axis, at most
-  std::uint32_t count_ = 0;  ///< bins an axis of the node at hand
-  std::uint32_t row_ = 0;    ///< slots of a row
+  const SurfaceArea* surface_area_;  ///< measure_, if it is that
+  std::uint32_t most_;               ///< bins an axis, at most
+  std::uint32_t count_ = 0;          ///< bins an axis of the node at hand
+  std::uint32_t row_ = 0;            ///< slots of a row
   int threads_;
   Bins bins_;
   Bins odd_;                  ///< of every other triangle of a node of many
-  std::vector<float> left_;   ///< measure of a bin united with those before it in its row
-  std::vector<float> right_;  ///< and with those after it
+  std::vector<float> right_;  ///< measure of a bin united with those after it in its row
 };
 
 }  // namespace raystudy::topdown

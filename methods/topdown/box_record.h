@@ -96,23 +96,30 @@ struct WideBox {
   }
 };
 
+/// The first three lanes of four vectors, transposed.
+struct Lanes {
+  hn::Vec<Float4> x;
+  hn::Vec<Float4> y;
+  hn::Vec<Float4> z;
+
+  Lanes(hn::Vec<Float4> v0, hn::Vec<Float4> v1, hn::Vec<Float4> v2, hn::Vec<Float4> v3) {
+    const Float4 d;
+    const auto xy01 = hn::InterleaveLower(d, v0, v1);  // x0 x1 y0 y1
+    const auto xy23 = hn::InterleaveLower(d, v2, v3);
+    const auto z01 = hn::InterleaveUpper(d, v0, v1);
+    const auto z23 = hn::InterleaveUpper(d, v2, v3);
+    x = hn::ConcatLowerLower(d, xy23, xy01);
+    y = hn::ConcatUpperUpper(d, xy23, xy01);
+    z = hn::ConcatLowerLower(d, z23, z01);
+  }
+};
+
 /// Box::half_area of four boxes, bit for bit.
 [[nodiscard]] inline hn::Vec<Float4> half_areas(const WideBox& b0, const WideBox& b1, const WideBox& b2, const WideBox& b3) {
-  const Float4 d;
-  // The negated extents, whose products are those of the extents.
-  const auto e0 = hn::Add(b0.lower(), b0.negated_upper());
-  const auto e1 = hn::Add(b1.lower(), b1.negated_upper());
-  const auto e2 = hn::Add(b2.lower(), b2.negated_upper());
-  const auto e3 = hn::Add(b3.lower(), b3.negated_upper());
-  // A transpose, so that the products are of four boxes at once: x0 x1 y0 y1, x2 x3 y2 y3, z0 z1 ..., z2 z3 ...
-  const auto xy01 = hn::InterleaveLower(d, e0, e1);
-  const auto xy23 = hn::InterleaveLower(d, e2, e3);
-  const auto z01 = hn::InterleaveUpper(d, e0, e1);
-  const auto z23 = hn::InterleaveUpper(d, e2, e3);
-  const auto x = hn::ConcatLowerLower(d, xy23, xy01);
-  const auto y = hn::ConcatUpperUpper(d, xy23, xy01);
-  const auto z = hn::ConcatLowerLower(d, z23, z01);
-  return hn::Add(hn::Add(hn::Mul(x, y), hn::Mul(y, z)), hn::Mul(z, x));
+  // The negated extents, whose products are those of the extents, of four boxes at once.
+  const auto extent = [](const WideBox& b) { return hn::Add(b.lower(), b.negated_upper()); };
+  const Lanes e(extent(b0), extent(b1), extent(b2), extent(b3));
+  return hn::Add(hn::Add(hn::Mul(e.x, e.y), hn::Mul(e.y, e.z)), hn::Mul(e.z, e.x));
 }
 
 /// Grows `acc` by four boxes one after another and returns the half areas of the four states on the way: of the first in lane 0,

@@ -7,8 +7,10 @@ namespace raystudy {
 namespace {
 
 struct ObjectMedianSplitter {
-  static topdown::Division split(std::span<topdown::BoxRecord> records, topdown::BoxRecord*, const topdown::NodeBounds& bounds) {
-    return topdown::split_at_median(records, bounds.box.box().longest_axis());
+  static constexpr std::uint32_t few = 2;
+
+  static topdown::Split split(std::span<const topdown::BoxRecord>, const topdown::NodeBounds& bounds) {
+    return {{.axis = bounds.box.box().longest_axis()}, 0};
   }
 };
 

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <utility>
 
 #include "harness/method/registry.h"
@@ -8,16 +7,14 @@ namespace raystudy {
 namespace {
 
 struct SpatialMedianSplitter {
-  static topdown::Division split(std::span<topdown::BoxRecord> records, topdown::BoxRecord* spare,
-                                 const topdown::NodeBounds& bounds) {
+  static constexpr std::uint32_t few = 2;
+
+  static topdown::Split split(std::span<const topdown::BoxRecord> records, const topdown::NodeBounds& bounds) {
     const Box box = bounds.box.box();
     const int axis = box.longest_axis();
-    const float doubled_plane = box.lower[axis] + box.upper[axis];
-    const auto goes_left = [=](const topdown::BoxRecord& r) { return topdown::doubled_center(r, axis) < doubled_plane; };
-    const auto left = static_cast<std::uint32_t>(std::count_if(records.begin(), records.end(), goes_left));
-    if (left == 0 || left == records.size()) return topdown::split_at_median(records, axis);
-    topdown::divide_records(records, spare, spare + left, goes_left);
-    return {left, true};
+    const topdown::Plane plane{axis, 0, 1, box.lower[axis] + box.upper[axis]};
+    const std::size_t left = topdown::count_left(records, plane);
+    return {plane, left < records.size() ? static_cast<std::uint32_t>(left) : 0};
   }
 };
 
