@@ -26,10 +26,10 @@ class StaleTemporariesTest : public testing::Test {
   StaleTemporariesTest() : folder(fs::path(testing::TempDir()) / fmt::format("stale-{}", getpid())) {
     fs::create_directories(folder / "figures");
   }
-  ~StaleTemporariesTest() override { fs::remove_all(folder); }
+  void TearDown() override { fs::remove_all(folder); }
 
-  fs::path make(const std::string& name, std::chrono::seconds age) const {
-    const fs::path file = folder / name;
+  [[nodiscard]] fs::path make(const std::string& name, std::chrono::seconds age) const {
+    fs::path file = folder / name;
     std::ofstream(file) << "half a res";
     fs::last_write_time(file, fs::file_time_type::clock::now() - age);
     return file;

@@ -13,7 +13,6 @@
 namespace raystudy {
 namespace {
 
-using ::testing::HasSubstr;
 using ::testing::internal::CaptureStderr;
 using ::testing::internal::GetCapturedStderr;
 

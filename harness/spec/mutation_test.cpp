@@ -8,8 +8,6 @@
 namespace raystudy {
 namespace {
 
-using std::string_literals::operator""s;
-
 const std::string study = R"(
 title: "All of it"
 paper: insertion-bittner
@@ -48,7 +46,8 @@ TEST(Mutations, NeverEndInAnythingButAPlanOrAnError) {
   ASSERT_NO_THROW((void)parse_plan(study, "x.yaml", Scale::quick));
   std::mt19937 random(20240611);
   const auto below = [&random](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
-  const std::string spice = "{}[]:,-&*!|>'\"%@`#?\n \t\0\xff\xc3~.0eE9"s;
+  static constexpr char spices[] = "{}[]:,-&*!|>'\"%@`#?\n \t\0\xff\xc3~.0eE9";
+  constexpr std::string_view spice(spices, sizeof(spices) - 1);  // past its NUL
   int plans = 0;
   int errors = 0;
   for (int round = 0; round < 1500; ++round) {

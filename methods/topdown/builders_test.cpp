@@ -140,6 +140,7 @@ TEST_P(EveryVariant, SurvivesDegenerateInput) {
   expect_valid(random_soup(300, 1e-40F, 0.1F, 3), "denormal coordinates");
   expect_valid(random_soup(300, 1, 0, 4), "triangles of one point");
   std::vector<Vec3> line;
+  line.reserve(900);
   for (int i = 0; i < 900; ++i) line.emplace_back(0.0F, static_cast<float>(i * i % 71), 0.0F);
   expect_valid(soup_of(line), "triangles in a line");
   std::vector<Vec3> nested;

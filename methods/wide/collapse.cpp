@@ -14,7 +14,7 @@ bool is_parents_first(const Bvh2& bvh) {
   return true;
 }
 
-std::vector<std::uint32_t> parents_first(const Bvh2& bvh) {
+std::vector<std::uint32_t> children_first(const Bvh2& bvh) {
   std::vector<std::uint32_t> order;
   if (bvh.empty()) return order;
   order.reserve(bvh.nodes.size() - 1);
@@ -25,6 +25,7 @@ std::vector<std::uint32_t> parents_first(const Bvh2& bvh) {
     order.push_back(node.first);
     order.push_back(node.first + 1);
   }
+  std::reverse(order.begin(), order.end());
   return order;
 }
 

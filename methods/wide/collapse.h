@@ -57,8 +57,8 @@ class OptimalCollapse {
   std::vector<State> states_;
 };
 
-/// The indices of `bvh`'s nodes so that each stands before its children.
-[[nodiscard]] std::vector<std::uint32_t> parents_first(const Bvh2& bvh);
+/// The indices of `bvh`'s nodes so that each stands after its children.
+[[nodiscard]] std::vector<std::uint32_t> children_first(const Bvh2& bvh);
 /// True where every node stands before its children already, as builders leave them.
 [[nodiscard]] bool is_parents_first(const Bvh2& bvh);
 
@@ -75,8 +75,7 @@ OptimalCollapse<W>::OptimalCollapse(const Bvh2& bvh, const M& measure, const Col
       if (n != 1) solve_measured(n);
     }
   } else {
-    const std::vector<std::uint32_t> order = parents_first(bvh);
-    for (auto n = order.rbegin(); n != order.rend(); ++n) solve_measured(*n);
+    for (const std::uint32_t n : children_first(bvh)) solve_measured(n);
   }
 }
 

@@ -93,13 +93,13 @@ TEST(Collapse, OfFourBoxesByHand) {
 TEST(Collapse, TakesNodesInAnyOrder) {
   const Scene scene = test::scene_of(test::random_boxes(200, 3));
   const Bvh2 bvh = test::random_tree(scene, 3, 2);
-  const std::vector<std::uint32_t> order = parents_first(bvh);
+  const std::vector<std::uint32_t> order = children_first(bvh);
   ASSERT_EQ(order.size(), bvh.nodes.size() - 1);
   std::vector<std::size_t> place(bvh.nodes.size());
   for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = i;
   for (const std::uint32_t n : order) {
     if (bvh.nodes[n].is_leaf()) continue;
-    EXPECT_LT(place[n], std::min(place[bvh.nodes[n].first], place[bvh.nodes[n].first + 1]));
+    EXPECT_GT(place[n], std::max(place[bvh.nodes[n].first], place[bvh.nodes[n].first + 1]));
   }
 }
 
