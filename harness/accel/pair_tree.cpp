@@ -56,6 +56,9 @@ void PairTree::write_to(Bvh2& bvh) const {
       node.count = 0;
       next += 2;
       const bool second_is_larger = pairs[link].measure[1] > pairs[link].measure[0];
+      for (const std::uint32_t below : pairs[link].link) {
+        if (!is_leaf(below)) __builtin_prefetch(&pairs[below]);
+      }
       const std::uint32_t larger = second_is_larger ? 1 : 0;
       stack.push_back({2 * link + 1 - larger, node.first + 1 - larger});
       stack.push_back({2 * link + larger, node.first + larger});

@@ -6,23 +6,27 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <utility>
 
 #include "harness/accel/pair_tree.h"
 #include "harness/method/pair_measure.h"
 #include "methods/insertion/min_heap.h"
+#include "methods/insertion/tree_edit.h"
 
 namespace raystudy::insertion {
 
-/// The tree operations of Bittner, Hapala and Havran: removal, branch-and-bound search, reinsertion (Bittner 2015, Section 2.3).
-/// Keeps every inner node's box the exact union of its children's, and the sum of inner measures up to date.
+/// The updates of Bittner, Hapala and Havran: removal, branch-and-bound search, reinsertion (Bittner 2015, Section 2.3).
 ///
 /// `M` is SurfaceArea or AnyMeasure; it must not decrease when a box grows.
 template <class M>
-class Reinsertion {
+class Reinsertion : public TreeEdit<M> {
  public:
-  using Node = PairTree::Node;
-  using Pair = PairTree::Pair;
+  using typename TreeEdit<M>::Node;
+  using typename TreeEdit<M>::Pair;
+  using typename TreeEdit<M>::Removed;
+  using typename TreeEdit<M>::RemovedOne;
+  using TreeEdit<M>::insert;
+  using TreeEdit<M>::remove;
+  using TreeEdit<M>::remove_child;
 
   /// Where a node may be merged in, and what that costs: C(L, X) = C_D(L, X) + C_I(L, X).
   struct Place {
@@ -30,54 +34,7 @@ class Reinsertion {
     float cost = std::numeric_limits<float>::infinity();
   };
 
-  /// What removing an inner node leaves: the nodes to insert again, the larger first, and the two records that are free now.
-  struct Removed {
-    std::array<Node, 2> nodes;
-    std::array<std::uint32_t, 2> free{};
-    std::uint32_t old_slot = 0;  ///< where the sibling of the removed node now stands
-  };
-
-  /// `tree` is measured here; it and `measure` must outlive this.
-  Reinsertion(PairTree& tree, const M& measure) : tree_(tree), measure_(measure) {
-    measure_all(tree_, measure_);
-    inner_sum_ = inner_measure_sum(tree_);
-  }
-
-  /// Σ_inner m(N), kept as the tree changes.
-  [[nodiscard]] double inner_sum() const { return inner_sum_; }
-  [[nodiscard]] float measure_of(std::uint32_t inner) const {
-    const std::uint32_t slot = tree_.up[inner];
-    return tree_.pairs[slot / 2].measure[slot % 2];
-  }
-
-  /// Takes out inner node `n` and its parent, so that n's sibling stands in the parent's place (Fig. 3). `n` is not the root.
-  Removed remove(std::uint32_t n) {
-    const std::uint32_t slot = tree_.up[n];
-    const std::uint32_t parent = slot / 2;
-    const std::uint32_t parent_slot = tree_.up[parent];
-    Removed removed{{tree_.node(2 * n), tree_.node(2 * n + 1)}, {n, parent}, parent_slot};
-    if (removed.nodes[1].measure > removed.nodes[0].measure) std::swap(removed.nodes[0], removed.nodes[1]);
-    inner_sum_ -= static_cast<double>(measure_of(n));
-    inner_sum_ -= static_cast<double>(measure_of(parent));
-    tree_.put(parent_slot, tree_.node(slot ^ 1U));
-    refit_up(parent_slot / 2);
-    return removed;
-  }
-
-  /// Takes out one child of `n` only: its other child stands in n's place, and record n is free.
-  struct RemovedOne {
-    Node node;
-    std::uint32_t free = 0;
-    std::uint32_t old_slot = 0;
-  };
-  RemovedOne remove_child(std::uint32_t n, std::uint32_t side) {
-    const std::uint32_t slot = tree_.up[n];
-    const RemovedOne removed{tree_.node(2 * n + side), n, slot};
-    inner_sum_ -= static_cast<double>(measure_of(n));
-    tree_.put(slot, tree_.node((2 * n + side) ^ 1U));
-    refit_up(slot / 2);
-    return removed;
-  }
+  using TreeEdit<M>::TreeEdit;
 
   /// The slot where merging `l` enlarges the tree least: Algorithm 1, exactly, for any `hint`. The cost of merging at `hint` only
   /// spares the search what cannot be better.
@@ -108,18 +65,6 @@ class Reinsertion {
       next = least_of(below);
     }
     return best;
-  }
-
-  /// Merges `l` with what stands at `slot`, under record `free` as their parent (Fig. 5).
-  void insert(const Node& l, std::uint32_t slot, std::uint32_t free) {
-    const Node x = tree_.node(slot);
-    tree_.put(2 * free, x);
-    tree_.put(2 * free + 1, l);
-    Node parent{united(x.box, l.box), free, 0};
-    parent.measure = measure_both(measure_, parent.box)[0];
-    inner_sum_ += static_cast<double>(parent.measure);
-    tree_.put(slot, parent);
-    grow_up(slot / 2, l.box);
   }
 
   /// Fetches what an update of `n` touches first: in two steps, for the second needs what the first fetched.
@@ -184,47 +129,8 @@ class Reinsertion {
     return PairTree::is_leaf(top.link[0]) ? none : entry(merged - top.measure[0], top.link[0]);
   }
 
-  /// Recomputes the boxes of record p's node and its ancestors, up to where nothing changes.
-  void refit_up(std::uint32_t p) {
-    while (p != 0) {
-      const std::uint32_t slot = tree_.up[p];
-      const BoxPair box = tree_.pairs[p].boxes.merged();
-      Pair& pair = tree_.pairs[slot / 2];
-      const BoxPair old = pair.boxes.doubled(slot % 2);
-      if (same(box, old)) return;
-      set_box(pair, slot % 2, box);
-      p = slot / 2;
-    }
-  }
-
-  /// Extends the boxes of record p's node and its ancestors by `box`, up to where it is contained.
-  void grow_up(std::uint32_t p, const BoxPair& box) {
-    while (p != 0) {
-      const std::uint32_t slot = tree_.up[p];
-      Pair& pair = tree_.pairs[slot / 2];
-      const BoxPair old = pair.boxes.doubled(slot % 2);
-      const BoxPair larger = united(old, box);
-      if (same(larger, old)) return;
-      set_box(pair, slot % 2, larger);
-      p = slot / 2;
-    }
-  }
-
-  void set_box(Pair& pair, std::uint32_t side, const BoxPair& box) {
-    const float m = measure_both(measure_, box)[0];
-    inner_sum_ += static_cast<double>(m) - static_cast<double>(pair.measure[side]);
-    pair.boxes.set(side, box);
-    pair.measure[side] = m;
-  }
-
-  static bool same(const BoxPair& a, const BoxPair& b) {
-    const auto differ = (a.x != b.x) | (a.y != b.y) | (a.z != b.z);
-    return (differ[0] | differ[2]) == 0;
-  }
-
-  PairTree& tree_;
-  const M& measure_;
-  double inner_sum_ = 0;
+  using TreeEdit<M>::tree_;
+  using TreeEdit<M>::measure_;
   MinHeap heap_;
 };
 
