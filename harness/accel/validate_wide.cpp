@@ -157,8 +157,8 @@ class WideValidator {
     if (shares) check_.report("{} shares triangle references with another", name());
     check_.add_leaf(name, box, {bvh_.triangles.data() + first, count});
     for (std::uint32_t k = 0; k < count; ++k) {
-      if (!has_own_corners(first, count, k))
-        check_.report("the corners in {} are not those of triangle {}", name(), bvh_.triangles[first + k]);
+      if (has_own_corners(first, count, k)) continue;
+      check_.report("the corners in {} are not those of triangle {}", name(), bvh_.triangles[first + k]);
     }
   }
 

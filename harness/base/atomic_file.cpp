@@ -90,10 +90,14 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
 }  // namespace
 
 void write_file_atomically(const std::filesystem::path& file, std::string_view content, Durable durable) {
+  write_file_atomically(file, std::span(&content, 1), durable);
+}
+
+void write_file_atomically(const std::filesystem::path& file, std::span<const std::string_view> parts, Durable durable) {
   const std::filesystem::path folder = folder_of(file);
   make_folder(folder);
   TemporaryFile temporary(file);
-  temporary.write(content);
+  for (const std::string_view part : parts) temporary.write(part);
   temporary.commit(durable);
 }
 

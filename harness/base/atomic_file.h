@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string_view>
 
 namespace raystudy {
@@ -12,6 +13,9 @@ enum class Durable : bool { no, yes };
 /// temporary file beside it, fsync where durable, rename. Makes missing folders. Throws Error naming the file and the system's
 /// reason; the temporary file is gone then.
 void write_file_atomically(const std::filesystem::path& file, std::string_view content, Durable durable = Durable::yes);
+/// The same for content in parts, one after the other.
+void write_file_atomically(const std::filesystem::path& file, std::span<const std::string_view> parts,
+                           Durable durable = Durable::yes);
 
 /// Removes what write_file_atomically left in the folder, and in folders below, where its process was killed in mid-write: files
 /// named as its temporary ones are, whose process is gone and which nobody has written for a minute (a process of another

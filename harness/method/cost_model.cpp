@@ -1,9 +1,53 @@
 #include "harness/method/cost_model.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
+#include "harness/accel/tree_walk.h"
+
 namespace raystudy {
+namespace {
+
+/// The nodes of a tree, its root first.
+class NodeList {
+ public:
+  explicit NodeList(std::size_t expected) {
+    boxes_.reserve(expected);
+    triangles_.reserve(expected);
+  }
+
+  /// `triangles` is 0 of an inner node.
+  void add(const Box& box, std::uint32_t triangles) {
+    boxes_.push_back(box);
+    triangles_.push_back(triangles);
+  }
+
+  [[nodiscard]] double cost(const CostModel& model) const {
+    if (boxes_.empty()) return 0;
+    std::vector<float> measures(boxes_.size());
+    model.measure->evaluate(boxes_, measures);
+    const bool flat = !(measures[0] > 0);
+    double inner = 0;
+    double leaf = 0;
+    for (std::size_t i = 0; i < boxes_.size(); ++i) {
+      const double m = flat ? 1.0 : static_cast<double>(measures[i]);
+      if (triangles_[i] > 0) {
+        leaf += m * triangles_[i];
+      } else {
+        inner += m;
+      }
+    }
+    const double root = flat ? 1.0 : static_cast<double>(measures[0]);
+    return (static_cast<double>(model.traversal) * inner + static_cast<double>(model.intersection) * leaf) / root;
+  }
+
+ private:
+  std::vector<Box> boxes_;
+  std::vector<std::uint32_t> triangles_;
+};
+
+}  // namespace
 
 void SurfaceArea::evaluate(std::span<const Box> boxes, std::span<float> out) const {
   for (std::size_t i = 0; i < boxes.size(); ++i) out[i] = boxes[i].half_area();
@@ -15,25 +59,20 @@ std::shared_ptr<const Measure> surface_area() {
 }
 
 double tree_cost(const Bvh2& bvh, const CostModel& model) {
-  if (bvh.empty()) return 0;
-  std::vector<Box> boxes(bvh.nodes.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = bvh.nodes[i].box;
-  std::vector<float> measures(boxes.size());
-  model.measure->evaluate(boxes, measures);
-  const bool flat = !(measures[0] > 0);
-  double inner = 0;
-  double leaf = 0;
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    if (i == 1) continue;  // padding
-    const double m = flat ? 1.0 : static_cast<double>(measures[i]);
-    if (bvh.nodes[i].is_leaf()) {
-      leaf += m * bvh.nodes[i].count;
-    } else {
-      inner += m;
-    }
+  NodeList list(bvh.nodes.size());
+  for (std::size_t i = 0; i < bvh.nodes.size(); ++i) {
+    if (i != 1) list.add(bvh.nodes[i].box, bvh.nodes[i].count);  // 1: padding
   }
-  const double root = flat ? 1.0 : static_cast<double>(measures[0]);
-  return (static_cast<double>(model.traversal) * inner + static_cast<double>(model.intersection) * leaf) / root;
+  return list.cost(model);
+}
+
+double tree_cost(const WideBvh& bvh, const CostModel& model) {
+  NodeList list(bvh.triangles.size());
+  if (!bvh.empty()) list.add(bvh.bounds, 0);
+  for_each_slot(bvh, [&list](const Box& box, std::uint32_t child) {
+    list.add(box, WideChild::is_leaf(child) ? WideChild::count(child) : 0);
+  });
+  return list.cost(model);
 }
 
 }  // namespace raystudy

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "harness/accel/bvh2.h"
+#include "harness/accel/wide_bvh.h"
 #include "harness/geometry/box.h"
 
 namespace raystudy {
@@ -62,5 +63,7 @@ struct CostModel {
 /// The cost of a whole tree under `model`, summed in double in node order; 0 for an empty tree. A root of measure 0 (all
 /// triangles in one point) gives the cost of a ray that meets every box: c_T · inner nodes + c_I · triangles.
 [[nodiscard]] double tree_cost(const Bvh2& bvh, const CostModel& model);
+/// The same of a wide tree, in which an inner node's box is that of the slot which refers to it.
+[[nodiscard]] double tree_cost(const WideBvh& bvh, const CostModel& model);
 
 }  // namespace raystudy

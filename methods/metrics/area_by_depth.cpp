@@ -1,5 +1,5 @@
+#include "harness/accel/tree_walk.h"
 #include "harness/method/registry.h"
-#include "methods/metrics/tree_depths.h"
 
 namespace raystudy::metrics {
 

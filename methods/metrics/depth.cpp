@@ -1,7 +1,7 @@
 #include <algorithm>
 
+#include "harness/accel/tree_walk.h"
 #include "harness/method/registry.h"
-#include "methods/metrics/tree_depths.h"
 
 namespace raystudy::metrics {
 

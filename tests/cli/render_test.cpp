@@ -3,28 +3,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <string>
 
+#include "tests/cli/raystudy.h"
+
 namespace raystudy {
 namespace {
-
-struct Outcome {
-  int code = 0;
-  std::string text;  ///< standard output and error
-};
-
-Outcome raystudy(const std::string& arguments) {
-  const std::string command = std::string(RAYSTUDY_BINARY_DIR) + "/bin/raystudy " + arguments + " 2>&1";
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  Outcome outcome;
-  std::array<char, 4096> buffer{};
-  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) outcome.text += buffer.data();
-  outcome.code = WEXITSTATUS(::pclose(pipe));
-  return outcome;
-}
 
 class Render : public testing::Test {
  protected:
