@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "harness/method/parallel_rays.h"
+#include "harness/method/ray_counter.h"
 
 namespace raystudy::scalar {
 namespace {
@@ -23,22 +24,6 @@ std::size_t tree_height(const Bvh2& bvh) {
   }
   return height;
 }
-
-/// Counters are template arguments of the traversal: the timed pass has none of this.
-struct NoCounter {
-  void inner() {}
-  void leaf() {}
-  void boxes(std::uint32_t) {}
-  void triangles(std::uint32_t) {}
-};
-
-struct RayCounter {
-  TraceCounts counts;
-  void inner() { ++counts.inner_nodes; }
-  void leaf() { ++counts.leaves; }
-  void boxes(std::uint32_t n) { counts.box_tests += n; }
-  void triangles(std::uint32_t n) { counts.triangle_tests += n; }
-};
 
 }  // namespace
 

@@ -13,26 +13,12 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include "harness/method/ray_counter.h"
 #include "methods/wide/in_flight-inl.h"
 #include "methods/wide/traverse-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raystudy::wide::HWY_NAMESPACE {
-
-struct NoCounter {
-  void inner() {}
-  void leaf() {}
-  void boxes(std::uint32_t) {}
-  void triangles(std::uint32_t) {}
-};
-
-struct RayCounter {
-  TraceCounts counts;
-  void inner() { ++counts.inner_nodes; }
-  void leaf() { ++counts.leaves; }
-  void boxes(std::uint32_t n) { counts.box_tests += n; }
-  void triangles(std::uint32_t n) { counts.triangle_tests += n; }
-};
 
 template <class Node>
 void trace(const Tree& tree, std::span<const Ray> rays, std::span<Hit> hits, Query query) {
