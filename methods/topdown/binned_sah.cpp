@@ -8,7 +8,7 @@ namespace {
 
 std::vector<ParamSpec> binned_params() {
   std::vector<ParamSpec> specs{
-      integer_param("bins", 16, "bins an axis", 2, 1024),
+      integer_param("bins", 32, "bins an axis, at most", 2, 1024),
       method_param("heuristic", Role::heuristic, "surface-area", "the measure whose cost the splits minimize")};
   for (ParamSpec& spec : topdown::LeafPolicy::params()) specs.push_back(std::move(spec));
   return specs;

@@ -215,7 +215,7 @@ BinnedSplitter::Choice BinnedSplitter::best_choice(const Measure& measure, std::
 
 Split BinnedSplitter::split(std::span<const BoxRecord> records, const NodeBounds& bounds) {
   const auto n = static_cast<std::uint32_t>(records.size());
-  count_ = std::min(most_, std::max(n, 4U));
+  count_ = std::min(most_, 4 + n / 4);
   row_ = (count_ + 3) / 4 * 4;
   const Binning binning(bounds, count_, row_);
   if (threads_ > 1 && records.size() >= shared_pass) {

@@ -12,8 +12,8 @@
 namespace raystudy::topdown {
 
 /// Splits between equal bins of the box centers on three axes (Wald 2007, Sec. 3): of the splits between two neighbouring bins
-/// the one of least cost is taken; of equal costs the first. Where all centers fall into one bin on every axis, the object median
-/// along the longest axis of the node's box takes its place.
+/// the one of least cost is taken; of equal costs the first. Nodes of few triangles have fewer bins, 4 + n / 4. Where all centers
+/// fall into one bin on every axis, the object median along the longest axis of the node's box takes its place.
 class BinnedSplitter {
  public:
   static constexpr std::uint32_t few = FewBoxes::most;
