@@ -14,6 +14,7 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include "harness/geometry/ray.h"
 #include "methods/wide/wide_ray.h"
@@ -30,20 +31,21 @@ using FloatsOf = hn::CappedTag<float, n>;
 template <class D>
 inline constexpr std::size_t lanes_of = hn::MaxLanes(D());
 
+/// As wide as StoreMaskBits writes: a longer word would have to wait until all that is written is in the cache.
+template <class D>
+using MaskWord = std::conditional_t<(lanes_of<D> > 8), std::uint16_t, std::uint8_t>;
+
 template <class D>
 HWY_INLINE unsigned mask_bits(D d, hn::Mask<D> mask) {
-  std::array<std::uint8_t, 8> bytes{};
-  hn::StoreMaskBits(d, mask, bytes.data());
-  unsigned bits = 0;
-  __builtin_memcpy(&bits, bytes.data(), sizeof(bits));
+  MaskWord<D> bits = 0;
+  hn::StoreMaskBits(d, mask, reinterpret_cast<std::uint8_t*>(&bits));
   return bits;
 }
 
 template <class D>
 HWY_INLINE hn::Mask<D> mask_of(D d, unsigned bits) {
-  std::array<std::uint8_t, 8> bytes{};
-  __builtin_memcpy(bytes.data(), &bits, sizeof(bits));
-  return hn::LoadMaskBits(d, bytes.data());
+  const auto word = static_cast<MaskWord<D>>(bits);
+  return hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&word));
 }
 
 /// Rays of one octant made ready for the tests of boxes and triangles as WideRay is, bit for bit, and the nearest hits they have
