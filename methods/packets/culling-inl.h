@@ -17,28 +17,43 @@
 HWY_BEFORE_NAMESPACE();
 namespace raystudy::packets::HWY_NAMESPACE {
 
-/// The planes of one child's box.
-struct ChildBox {
-  std::array<std::array<float, 2>, 3> planes;  ///< per axis: lower, upper
+/// The planes of one child's box, where they lie in a node of floats.
+template <int W>
+class ChildBox {
+ public:
+  ChildBox(const WideNode<W>& node, std::size_t slot) : first_(node.bounds[0][0].data() + slot) {}
+  [[nodiscard]] HWY_INLINE float plane(std::size_t axis, std::size_t side) const { return first_[(2 * axis + side) * W]; }
+
+ private:
+  const float* first_;
+};
+
+/// The same of a node of 8 bits, or of any node: copied.
+class BoxCopy {
+ public:
+  template <int W>
+  HWY_INLINE BoxCopy(const QuantizedNode<W>& node, std::size_t slot) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const float scale = node.scale(static_cast<int>(a));
+      for (std::size_t side = 0; side < 2; ++side) {
+        planes_[2 * a + side] = node.origin[a] + scale * static_cast<float>(node.bounds[a][side][slot]);
+      }
+    }
+  }
+  [[nodiscard]] HWY_INLINE float plane(std::size_t axis, std::size_t side) const { return planes_[2 * axis + side]; }
+
+ private:
+  std::array<float, 6> planes_;
 };
 
 template <int W>
-HWY_INLINE ChildBox child_box(const WideNode<W>& node, std::size_t slot) {
-  ChildBox box;
-  for (std::size_t a = 0; a < 3; ++a) box.planes[a] = {node.bounds[a][0][slot], node.bounds[a][1][slot]};
-  return box;
+HWY_INLINE ChildBox<W> child_box(const WideNode<W>& node, std::size_t slot) {
+  return {node, slot};
 }
 
 template <int W>
-HWY_INLINE ChildBox child_box(const QuantizedNode<W>& node, std::size_t slot) {
-  ChildBox box;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const float scale = node.scale(static_cast<int>(a));
-    for (std::size_t side = 0; side < 2; ++side) {
-      box.planes[a][side] = node.origin[a] + scale * static_cast<float>(node.bounds[a][side][slot]);
-    }
-  }
-  return box;
+HWY_INLINE BoxCopy child_box(const QuantizedNode<W>& node, std::size_t slot) {
+  return {node, slot};
 }
 
 /// One plane of as many children, from slot `lane` on.
@@ -86,14 +101,14 @@ struct NearPlanes {
 };
 
 /// The lanes whose rays meet the box; `enter` gets where.
-template <class D>
-HWY_INLINE hn::Mask<D> meets(D d, const RayGroup<D>& group, const ChildBox& box, const NearPlanes& near, hn::Vec<D>& enter) {
+template <class D, class Box>
+HWY_INLINE hn::Mask<D> meets(D d, const RayGroup<D>& group, const Box& box, const NearPlanes& near, hn::Vec<D>& enter) {
   const auto entered = [&](std::size_t a) {
-    return hn::MulSub(hn::Set(d, box.planes[a][near.side[a]]), hn::Load(d, group.reciprocal[a].data()),
+    return hn::MulSub(hn::Set(d, box.plane(a, near.side[a])), hn::Load(d, group.reciprocal[a].data()),
                       hn::Load(d, group.near_offset[a].data()));
   };
   const auto left = [&](std::size_t a) {
-    return hn::MulSub(hn::Set(d, box.planes[a][1 - near.side[a]]), hn::Load(d, group.reciprocal[a].data()),
+    return hn::MulSub(hn::Set(d, box.plane(a, 1 - near.side[a])), hn::Load(d, group.reciprocal[a].data()),
                       hn::Load(d, group.far_offset[a].data()));
   };
   enter = hn::Max(hn::Max(entered(0), entered(1)), hn::Max(entered(2), hn::Load(d, group.near.data())));

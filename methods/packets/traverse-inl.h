@@ -25,12 +25,23 @@ struct GroupRange {
   std::uint32_t last = 0;  ///< inclusive
 };
 
-/// A child that waits for its turn.
-struct Pending {
-  std::uint32_t node;
-  std::uint32_t slot;
-  float near;
-  GroupRange range;
+/// A child that waits for its turn. Two words that no copy takes apart or joins, so that what was just stored can be loaded again
+/// without delay.
+struct Waiting {
+  std::uint64_t key = nothing;  ///< by which children are sorted: in the upper half where the packet enters it; then the slot
+  std::uint64_t place = 0;      ///< the parent in the upper half, then 16 bits each for GroupRange::first and last
+
+  static constexpr std::uint64_t nothing = ~std::uint64_t{0};
+
+  Waiting() = default;
+  HWY_INLINE Waiting(std::uint32_t order, std::uint32_t slot, std::uint32_t parent, GroupRange range)
+      : key((std::uint64_t{order} << 32U) | slot), place((std::uint64_t{parent} << 32U) | (range.first << 16U) | range.last) {}
+  [[nodiscard]] HWY_INLINE float near() const { return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32U)); }
+  [[nodiscard]] HWY_INLINE std::uint32_t slot() const { return static_cast<std::uint32_t>(key); }
+  [[nodiscard]] HWY_INLINE std::uint32_t parent() const { return static_cast<std::uint32_t>(place >> 32U); }
+  [[nodiscard]] HWY_INLINE GroupRange range() const {
+    return {static_cast<std::uint32_t>(place >> 16U) & 0xffffU, static_cast<std::uint32_t>(place) & 0xffffU};
+  }
 };
 
 /// Which of the caller's rays those of a packet are.
@@ -80,7 +91,8 @@ class PacketState {
 
   /// Narrows the range to the groups that meet the box, from the first one on, or without first_active to the last one too;
   /// `near` is where the first one enters it.
-  HWY_INLINE bool find_active(const ChildBox& box, const NearPlanes& sides, GroupRange& range, float& near) {
+  template <class Box>
+  HWY_INLINE bool find_active(const Box& box, const NearPlanes& sides, GroupRange& range, float& near) {
     const D d;
     hn::Vec<D> enter;
     for (std::uint32_t g = range.first; g <= range.last; ++g) {
@@ -99,8 +111,8 @@ class PacketState {
     return false;
   }
 
-  template <bool any>
-  HWY_NOINLINE void enter_leaf(std::uint32_t child, const ChildBox& box, GroupRange range, const NearPlanes& sides) {
+  template <bool any, class Box>
+  HWY_NOINLINE void enter_leaf(std::uint32_t child, const Box& box, GroupRange range, const NearPlanes& sides) {
     const D d;
     bool nearer = false;
     for (std::uint32_t g = range.first; g <= range.last; ++g) {
@@ -125,7 +137,8 @@ class PacketState {
   float far_ = 0;
 
  private:
-  HWY_INLINE hn::Mask<D> test(std::uint32_t g, const ChildBox& box, const NearPlanes& sides, hn::Vec<D>& enter) {
+  template <class Box>
+  HWY_INLINE hn::Mask<D> test(std::uint32_t g, const Box& box, const NearPlanes& sides, hn::Vec<D>& enter) {
     counter_.boxes(static_cast<std::uint32_t>(std::popcount(groups_[g].active)));
     return meets(D(), groups_[g], box, sides, enter);
   }
@@ -160,7 +173,7 @@ class PacketTraversal : PacketState<D, Counter> {
     const NearPlanes sides(octant);
     const Culling culling = this->options_.culling;
     if (culling == Culling::none) {
-      traverse(sides, [&](Pending* top, std::uint32_t index, GroupRange range) { return push_met(top, index, range, sides); });
+      traverse(sides, [&](std::uint32_t index, GroupRange range) { return push_met(index, range, sides); });
       return;
     }
     const PacketSlabs slabs(d, ranges);
@@ -179,65 +192,87 @@ class PacketTraversal : PacketState<D, Counter> {
              }));
   }
 
-  /// What puts those children of a node on the stack that `cull` leaves.
+  /// What puts those children of a node on the stack that `cull` leaves, but for the one whose turn it is.
   template <class Cull>
   HWY_INLINE auto pushing(const Cull& cull) {
-    return [this, &cull](Pending* top, std::uint32_t index, GroupRange range) {
+    return [this, &cull](std::uint32_t index, GroupRange range) {
       HWY_ALIGN std::array<float, width> enter;
       this->counter_.boxes(width);
-      Pending* const base = top;
+      Siblings siblings(top_);
       for (unsigned met = cull(nodes()[index], enter.data()); met != 0; met &= met - 1) {
         const auto slot = static_cast<std::uint32_t>(std::countr_zero(met));
-        top = push_sorted(base, top, {index, slot, enter[slot], range});
+        siblings.add({order(slot, enter[slot]), slot, index, range});
       }
-      return top;
+      return siblings.first;
     };
   }
 
   /// The same without culling: those children that some group meets.
-  HWY_INLINE Pending* push_met(Pending* top, std::uint32_t index, GroupRange range, const NearPlanes& sides) {
-    Pending* const base = top;
+  HWY_INLINE Waiting push_met(std::uint32_t index, GroupRange range, const NearPlanes& sides) {
     const Node& node = nodes()[index];
+    Siblings siblings(top_);
     for (unsigned used = used_slots(node); used != 0; used &= used - 1) {
       const auto slot = static_cast<std::uint32_t>(std::countr_zero(used));
-      Pending next{index, slot, 0, range};
-      if (this->find_active(child_box(node, slot), sides, next.range, next.near)) top = push_sorted(base, top, next);
+      GroupRange met = range;
+      float near = 0;
+      if (this->find_active(child_box(node, slot), sides, met, near)) siblings.add({order(slot, near), slot, index, met});
     }
-    return top;
+    return siblings.first;
   }
 
-  /// The nearest child on top; for any hits the one of the largest measure, which has the lowest slot.
-  HWY_INLINE Pending* push_sorted(Pending* base, Pending* top, const Pending& next) const {
-    Pending* at = top;
-    for (; at > base && (any_ || at[-1].near < next.near); --at) *at = at[-1];
-    *at = next;
-    return top + 1;
+  /// The nearest child first; for any hits the one of the largest measure, which has the lowest slot.
+  [[nodiscard]] HWY_INLINE std::uint32_t order(std::uint32_t slot, float near) const {
+    return any_ ? slot : std::bit_cast<std::uint32_t>(near);
   }
+
+  /// The children of a node: the first by key, and the others on the stack, the last at the bottom.
+  struct Siblings {
+    Waiting*& top;
+    Waiting* const base = top;
+    Waiting first;
+
+    HWY_INLINE explicit Siblings(Waiting*& stack) : top(stack) {}
+    HWY_INLINE void add(Waiting next) {
+      if (first.key == Waiting::nothing) {
+        first = next;
+        return;
+      }
+      if (next.key < first.key) std::swap(next, first);
+      Waiting* at = top++;
+      for (; at > base && at[-1].key < next.key; --at) {
+        at->key = at[-1].key;
+        at->place = at[-1].place;
+      }
+      at->key = next.key;
+      at->place = next.place;
+    }
+  };
 
   template <class Push>
   HWY_INLINE void traverse(const NearPlanes& sides, const Push& push_children) {
-    Pending* const stack = stack_.data();
-    Pending* top = stack;
+    top_ = stack_.data();
     std::uint32_t index = 0;
     GroupRange range{0, static_cast<std::uint32_t>(this->count_ - 1)};
     while (true) {
       this->counter_.inner(this->groups_.data(), range);
-      top = push_children(top, index, range);
+      Waiting next = push_children(index, range);
       while (true) {
-        if (top == stack) return;
-        const Pending next = *--top;
-        if (next.near > this->far_) continue;
-        const Node& parent = nodes()[next.node];
-        index = parent.child[next.slot];
-        const ChildBox box = child_box(parent, next.slot);
-        if (WideChild::is_leaf(index)) {
-          any_ ? this->template enter_leaf<true>(index, box, next.range, sides)
-               : this->template enter_leaf<false>(index, box, next.range, sides);
-          continue;
+        while (next.key == Waiting::nothing || next.near() > this->far_) {
+          if (top_ == stack_.data()) return;
+          next = *--top_;
         }
-        range = next.range;
-        float near = 0;
-        if (this->options_.culling == Culling::none || this->find_active(box, sides, range, near)) break;
+        const Node& parent = nodes()[next.parent()];
+        index = parent.child[next.slot()];
+        const auto box = child_box(parent, next.slot());
+        range = next.range();
+        if (WideChild::is_leaf(index)) {
+          any_ ? this->template enter_leaf<true>(index, box, range, sides)
+               : this->template enter_leaf<false>(index, box, range, sides);
+        } else {
+          float near = 0;
+          if (this->options_.culling == Culling::none || this->find_active(box, sides, range, near)) break;
+        }
+        next.key = Waiting::nothing;
       }
     }
   }
@@ -245,7 +280,8 @@ class PacketTraversal : PacketState<D, Counter> {
   [[nodiscard]] const Node* nodes() const { return static_cast<const Node*>(this->tree_.nodes); }
 
   bool any_;
-  std::vector<Pending> stack_;
+  std::vector<Waiting> stack_;
+  Waiting* top_ = nullptr;
 };
 
 /// Bits 0 to 2: signs of the direction's components.
