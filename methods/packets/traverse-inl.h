@@ -325,11 +325,18 @@ HWY_NOINLINE void trace_by_octant(Traversal& traversal, std::span<const Ray> ray
   for (std::size_t i = 0; i < rays.size(); ++i) hits[order[i]] = found[i];
 }
 
+/// Asks for the rays of the packet after the one at hand.
+HWY_INLINE void prefetch(const Ray* rays, std::size_t count) {
+  constexpr std::size_t line = 64;
+  for (std::size_t i = 0; i < count; i += line / sizeof(Ray)) __builtin_prefetch(rays + i);
+}
+
 template <class Traversal>
 HWY_INLINE void trace_packets(Traversal& traversal, std::uint32_t size, std::span<const Ray> rays, std::span<Hit> hits) {
   for (std::size_t begin = 0; begin < rays.size(); begin += size) {
     const std::size_t count = std::min<std::size_t>(size, rays.size() - begin);
     const auto packet = rays.subspan(begin, count);
+    prefetch(rays.data() + begin + count, std::min<std::size_t>(size, rays.size() - begin - count));
     if (share_octant(packet)) {
       traversal.trace(packet, octant_of(packet[0]), hits.subspan(begin, count), {begin});
     } else {
