@@ -19,15 +19,17 @@ struct ShearedCorners {
   std::array<hn::Vec<D>, 3> x, y, z;
 };
 
-/// Where rays meet a triangle; t is NaN where they do not.
-template <class V>
-struct Meetings {
-  V t, u, v;
+/// Where half of a group's rays meet a triangle: t is NaN where they do not. u and v are b / area and c / area: two divisions
+/// that are put off until a ray's last hit is known.
+template <class DH>
+struct HalfMeetings {
+  hn::Vec<DH> t;
+  hn::Vec<hn::Rebind<double, DH>> b, c, area;
 };
 
 /// finish_test of harness/geometry/watertight.h, with the same roundings, in all lanes but for the limits of t.
 template <class DH>
-HWY_INLINE Meetings<hn::Vec<DH>> finish_half(DH dh, const ShearedCorners<DH>& corners, hn::Vec<DH> direction_along) {
+HWY_INLINE HalfMeetings<DH> finish_half(DH dh, const ShearedCorners<DH>& corners, hn::Vec<DH> direction_along) {
   const hn::Rebind<double, DH> dd;
   const auto wide = [&](hn::Vec<DH> v) { return hn::PromoteTo(dd, v); };
   const auto edge = [&](std::size_t i, std::size_t j) {
@@ -45,46 +47,55 @@ HWY_INLINE Meetings<hn::Vec<DH>> finish_half(DH dh, const ShearedCorners<DH>& co
       hn::Add(hn::Add(hn::Mul(a, wide(corners.z[0])), hn::Mul(b, wide(corners.z[1]))), hn::Mul(c, wide(corners.z[2])));
   const auto t = hn::Div(moment, hn::Mul(area, wide(direction_along)));
   const auto nan = hn::Set(dd, std::numeric_limits<double>::quiet_NaN());
-  return {hn::DemoteTo(dh, hn::IfThenElse(missed, nan, t)), hn::DemoteTo(dh, hn::Div(b, area)),
-          hn::DemoteTo(dh, hn::Div(c, area))};
+  return {hn::DemoteTo(dh, hn::IfThenElse(missed, nan, t)), b, c, area};
 }
 
-template <class D>
-HWY_INLINE Meetings<hn::Vec<D>> finish(D d, const ShearedCorners<D>& corners, hn::Vec<D> direction_along) {
-  const hn::Half<D> dh;
-  ShearedCorners<hn::Half<D>> low;
-  ShearedCorners<hn::Half<D>> high;
+template <class D, class Half>
+HWY_INLINE ShearedCorners<hn::Half<D>> half_of(const ShearedCorners<D>& corners, const Half& half) {
+  ShearedCorners<hn::Half<D>> out;
   for (std::size_t i = 0; i < 3; ++i) {
-    low.x[i] = hn::LowerHalf(dh, corners.x[i]);
-    low.y[i] = hn::LowerHalf(dh, corners.y[i]);
-    low.z[i] = hn::LowerHalf(dh, corners.z[i]);
-    high.x[i] = hn::UpperHalf(dh, corners.x[i]);
-    high.y[i] = hn::UpperHalf(dh, corners.y[i]);
-    high.z[i] = hn::UpperHalf(dh, corners.z[i]);
+    out.x[i] = half(corners.x[i]);
+    out.y[i] = half(corners.y[i]);
+    out.z[i] = half(corners.z[i]);
   }
-  const auto a = finish_half(dh, low, hn::LowerHalf(dh, direction_along));
-  const auto b = finish_half(dh, high, hn::UpperHalf(dh, direction_along));
-  return {hn::Combine(d, b.t, a.t), hn::Combine(d, b.u, a.u), hn::Combine(d, b.v, a.v)};
+  return out;
 }
 
-/// Takes a triangle into the hits of those `candidates` that it is the nearest one for; gives these lanes.
-template <class D>
-HWY_INLINE hn::Mask<D> take_nearest(D d, const Meetings<hn::Vec<D>>& met, std::uint32_t triangle, hn::Mask<D> candidates,
-                                    RayGroup<D>& group) {
+/// Takes a triangle into the hits of those `candidates` (lanes) that it is the nearest one for; gives these lanes.
+template <bool any, class D>
+HWY_INLINE unsigned take_nearest(D d, const ShearedCorners<D>& corners, std::uint32_t triangle, unsigned candidates,
+                                 RayGroup<D>& group) {
   const hn::Rebind<std::uint32_t, D> du;
+  const hn::Half<D> dh;
+  const hn::Rebind<double, hn::Half<D>> dd;
+  const auto direction_along = hn::Load(d, group.direction_along.data());
+  const auto lower = [&](hn::Vec<D> v) { return hn::LowerHalf(dh, v); };
+  const auto upper = [&](hn::Vec<D> v) { return hn::UpperHalf(dh, v); };
+  const auto low = finish_half(dh, half_of(corners, lower), lower(direction_along));
+  const auto high = finish_half(dh, half_of(corners, upper), upper(direction_along));
+  const auto t = hn::Combine(d, high.t, low.t);
   const auto before = hn::Load(d, group.t.data());
   const auto others = hn::Load(du, group.triangle.data());
   const auto ids = hn::Set(du, triangle);
-  const auto within = hn::And(hn::And(hn::Ge(met.t, hn::Load(d, group.tmin.data())), hn::Le(met.t, before)),
-                              hn::Lt(met.t, hn::Set(d, std::numeric_limits<float>::infinity())));
+  const auto within = hn::And(hn::And(hn::Ge(t, hn::Load(d, group.tmin.data())), hn::Le(t, before)),
+                              hn::Lt(t, hn::Set(d, std::numeric_limits<float>::infinity())));
   // Of equal distances the lowest triangle is the hit.
-  const auto loses = hn::And(hn::Eq(met.t, before), hn::RebindMask(d, hn::Lt(others, ids)));
-  const auto taken = hn::And(candidates, hn::AndNot(loses, within));
-  hn::Store(hn::IfThenElse(taken, met.t, before), d, group.t.data());
-  hn::Store(hn::IfThenElse(taken, met.u, hn::Load(d, group.u.data())), d, group.u.data());
-  hn::Store(hn::IfThenElse(taken, met.v, hn::Load(d, group.v.data())), d, group.v.data());
+  const auto loses = hn::And(hn::Eq(t, before), hn::RebindMask(d, hn::Lt(others, ids)));
+  const auto taken = hn::And(mask_of(d, candidates), hn::AndNot(loses, within));
+  const unsigned bits = mask_bits(d, taken);
+  hn::Store(hn::IfThenElse(taken, t, before), d, group.t.data());
   hn::Store(hn::IfThenElse(hn::RebindMask(du, taken), ids, others), du, group.triangle.data());
-  return taken;
+  if constexpr (!any) {
+    const auto store = [&](const HalfMeetings<hn::Half<D>>& half, unsigned lanes, std::size_t begin) {
+      const auto mask = mask_of(dd, lanes);
+      hn::BlendedStore(half.b, mask, dd, group.b.data() + begin);
+      hn::BlendedStore(half.c, mask, dd, group.c.data() + begin);
+      hn::BlendedStore(half.area, mask, dd, group.area.data() + begin);
+    };
+    store(low, bits, 0);
+    store(high, bits >> lanes_of<hn::Half<D>>, lanes_of<hn::Half<D>>);
+  }
+  return bits;
 }
 
 /// Tests a leaf's triangles against those `rays` (lanes) of a group that all follow axis `along`. Gives the lanes that found a
@@ -123,8 +134,7 @@ HWY_INLINE unsigned test_leaf_along(D d, const wide::Tree& tree, std::uint32_t c
     const auto positive = hn::Gt(hn::Max(hn::Max(u, v), w), zero);
     const unsigned candidates = rays & ~mask_bits(d, hn::And(negative, positive));
     if (candidates == 0) continue;
-    const auto met = finish(d, corners, hn::Load(d, group.direction_along.data()));
-    const unsigned taken = mask_bits(d, take_nearest(d, met, tree.triangles[first + i], mask_of(d, candidates), group));
+    const unsigned taken = take_nearest<any>(d, corners, tree.triangles[first + i], candidates, group);
     nearer |= taken;
     if constexpr (any) {
       rays &= ~taken;

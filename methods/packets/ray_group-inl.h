@@ -60,10 +60,11 @@ struct alignas(64) RayGroup {
   std::array<Row, 3> origin;
   Row shear_across, shear_up, direction_along;
   Row scale, tmin;
-  Row t, u, v;
+  Row t;
   std::array<std::uint32_t, lanes> triangle;
-  std::array<unsigned, 3> along;  ///< lanes by the axis that their rays follow
-  unsigned active;                ///< lanes of rays that may still hit
+  std::array<double, lanes> b, c, area;  ///< of the nearest triangle met: u = b / area, v = c / area
+  std::array<unsigned, 3> along;         ///< lanes by the axis that their rays follow
+  unsigned active;                       ///< lanes of rays that may still hit
 };
 
 /// The range of the slab constants of many rays of one octant.
@@ -233,8 +234,6 @@ HWY_INLINE void make_ready(D d, const Ray* input, const wide::SlabScene& scene, 
   hn::Store(hn::Set(d, 1), d, group.scale.data());
   hn::Store(rays.tmin, d, group.tmin.data());
   hn::Store(rays.tmax, d, group.t.data());
-  hn::Store(hn::Zero(d), d, group.u.data());
-  hn::Store(hn::Zero(d), d, group.v.data());
   hn::Store(hn::Set(du, no_hit), du, group.triangle.data());
   ranges.near = hn::Min(ranges.near, near);
   ranges.far = hn::Max(ranges.far, far);
@@ -249,15 +248,30 @@ HWY_INLINE void make_ready(D d, const Ray* input, const wide::SlabScene& scene, 
   }
 }
 
-/// Writes the hits of the first `count` lanes.
+/// A weight of each ray's nearest triangle met, over its area.
 template <class D>
+HWY_INLINE hn::Vec<D> weight_of(D d, const std::array<double, lanes_of<D>>& weight, const RayGroup<D>& group) {
+  const hn::Half<D> dh;
+  const hn::Rebind<double, hn::Half<D>> dd;
+  const auto half = [&](std::size_t begin) {
+    return hn::DemoteTo(dh, hn::Div(hn::Load(dd, weight.data() + begin), hn::Load(dd, group.area.data() + begin)));
+  };
+  return hn::Combine(d, half(lanes_of<hn::Half<D>>), half(0));
+}
+
+/// Writes the hits of the first `count` lanes; of any hits u and v are not known and come as 0.
+template <bool any, class D>
 HWY_INLINE void write_hits(D d, const RayGroup<D>& group, std::size_t count, Hit* out) {
   const hn::Rebind<std::uint32_t, D> du;
   const auto triangle = hn::Load(du, group.triangle.data());
   const auto none = hn::RebindMask(d, hn::Eq(triangle, hn::Set(du, no_hit)));
   const auto t = hn::IfThenElse(none, hn::Set(d, std::numeric_limits<float>::infinity()), hn::Load(d, group.t.data()));
-  const auto u = hn::Load(d, group.u.data());
-  const auto v = hn::Load(d, group.v.data());
+  auto u = hn::Zero(d);
+  auto v = hn::Zero(d);
+  if constexpr (!any) {
+    u = hn::IfThenZeroElse(none, weight_of(d, group.b, group));
+    v = hn::IfThenZeroElse(none, weight_of(d, group.c, group));
+  }
   if (count >= lanes_of<D>) {
     hn::StoreInterleaved4(t, hn::BitCast(d, triangle), u, v, d, reinterpret_cast<float*>(out));
     return;

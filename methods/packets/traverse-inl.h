@@ -83,9 +83,10 @@ class PacketState {
     return active != 0;
   }
 
+  template <bool any>
   void store(std::span<Hit> hits) const {
     for (std::size_t g = 0; g < count_; ++g) {
-      write_hits(D(), groups_[g], std::min(lanes, hits.size() - g * lanes), hits.data() + g * lanes);
+      write_hits<any>(D(), groups_[g], std::min(lanes, hits.size() - g * lanes), hits.data() + g * lanes);
     }
   }
 
@@ -162,7 +163,7 @@ class PacketTraversal : PacketState<D, Counter> {
       this->counter_.begin(which);
       cull_and_traverse(ranges, octant);
     }
-    this->store(hits);
+    any_ ? this->template store<true>(hits) : this->template store<false>(hits);
   }
 
  private:
