@@ -12,9 +12,10 @@ namespace raystudy::cli {
 namespace {
 
 /// A default as it is written in YAML; an empty text would not be seen.
-std::string default_text(const ParamValue& value) {
-  const std::string text = label_text(value);
-  return text.empty() ? "''" : text;
+std::string default_text(const ParamSpec& spec) {
+  if (spec.type == ParamType::file) return "required";
+  const std::string text = label_text(spec.fallback);
+  return "default " + (text.empty() ? "''" : text);
 }
 
 void describe(const Registry::Entry& entry) {
@@ -30,7 +31,7 @@ void describe(const Registry::Entry& entry) {
   }
   fmt::print("  {}\n", info.params.empty() ? "no parameters" : "parameters");
   for (const ParamSpec& spec : info.params) {
-    fmt::print("    {}: {}\n      {}; default {}\n", spec.name, spec.summary, expected_text(spec), default_text(spec.fallback));
+    fmt::print("    {}: {}\n      {}; {}\n", spec.name, spec.summary, expected_text(spec), default_text(spec));
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -36,6 +37,11 @@ struct MethodInfo {
   std::vector<ParamSpec> params{};
   std::string accel{};  ///< the Accel kind a builder or encoder makes, a tracer, optimizer or metric takes ("" takes all)
   std::vector<MetricValueInfo> values{};  ///< of a metric: every value it may give; tables and figures may name these
+
+  /// True where a parameter must name a file, so that the method does not work with its defaults.
+  [[nodiscard]] bool needs_file() const {
+    return std::any_of(params.begin(), params.end(), [](const ParamSpec& p) { return p.type == ParamType::file; });
+  }
 };
 
 /// Cost over time while an optimizer runs: seconds since its start and the cost at that moment.

@@ -25,6 +25,8 @@ std::string value_text(const ParamValue& value) {
           return v ? "true" : "false";
         } else if constexpr (std::is_same_v<T, MethodRef>) {
           return canonical(v);
+        } else if constexpr (std::is_same_v<T, FileRef>) {
+          return v.path.empty() ? std::string() : fmt::format("{} xxh3={}", v.path, v.hash);
         } else {
           return fmt::format("{}", v);  // of a double: the shortest text that reads back as the same double
         }
@@ -81,6 +83,10 @@ ParamSpec method_param(std::string name, Role role, std::string fallback, std::s
   return spec;
 }
 
+ParamSpec file_param(std::string name, std::string summary) {
+  return make_spec(std::move(name), ParamType::file, FileRef{}, std::move(summary));
+}
+
 template <class T>
 const T& Params::get(std::string_view name) const {
   const auto found = values_.find(name);
@@ -95,6 +101,7 @@ std::int64_t Params::integer(std::string_view name) const { return get<std::int6
 double Params::real(std::string_view name) const { return get<double>(name); }
 const std::string& Params::text(std::string_view name) const { return get<std::string>(name); }
 const MethodRef& Params::method(std::string_view name) const { return get<MethodRef>(name); }
+const FileRef& Params::file(std::string_view name) const { return get<FileRef>(name); }
 
 std::string Params::canonical() const {
   std::string text;

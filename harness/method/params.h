@@ -22,9 +22,15 @@ struct MethodRef {
   std::shared_ptr<const Params> params;
 };
 
-using ParamValue = std::variant<bool, std::int64_t, double, std::string, MethodRef>;
+/// A file that a method reads; the value of a `file` parameter. Its content, not only its name, is part of a cell's name.
+struct FileRef {
+  std::string path;  ///< empty: none
+  std::string hash;  ///< 32 hex digits of XXH3-128 over the content when the parameter was checked
+};
 
-enum class ParamType : std::uint8_t { boolean, integer, real, text, choice, method };
+using ParamValue = std::variant<bool, std::int64_t, double, std::string, MethodRef, FileRef>;
+
+enum class ParamType : std::uint8_t { boolean, integer, real, text, choice, method, file };
 
 /// One parameter of a method: the single source for checking YAML, `describe`, the docs and the cell's name.
 struct ParamSpec {
@@ -48,6 +54,8 @@ struct ParamSpec {
 [[nodiscard]] ParamSpec choice_param(std::string name, std::vector<std::string> choices, std::string summary);
 /// A method of another role, e.g. the heuristic of a builder; the default is named, with its own default parameters.
 [[nodiscard]] ParamSpec method_param(std::string name, Role role, std::string fallback, std::string summary);
+/// A file that must be named: the default is none, with which the method cannot work.
+[[nodiscard]] ParamSpec file_param(std::string name, std::string summary);
 
 /// Checked parameters of one method: every declared name has a value of its declared type.
 class Params {
@@ -61,6 +69,7 @@ class Params {
   [[nodiscard]] double real(std::string_view name) const;
   [[nodiscard]] const std::string& text(std::string_view name) const;  ///< of `text` and `choice`
   [[nodiscard]] const MethodRef& method(std::string_view name) const;
+  [[nodiscard]] const FileRef& file(std::string_view name) const;
 
   [[nodiscard]] const std::map<std::string, ParamValue, std::less<>>& values() const { return values_; }
   /// `name=value` in the order of names, nested methods in braces: equal text means equal parameters. Part of a cell's name.

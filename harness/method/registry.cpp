@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "harness/base/error.h"
+#include "harness/scene/bytes.h"
 
 namespace raystudy {
 namespace {
@@ -15,6 +16,7 @@ std::string described(const ParamValue& value) {
   if (const std::int64_t* i = std::get_if<std::int64_t>(&value)) return fmt::format("the integer {}", *i);
   if (const double* d = std::get_if<double>(&value)) return fmt::format("the number {}", *d);
   if (const std::string* s = std::get_if<std::string>(&value)) return fmt::format("the text '{}'", *s);
+  if (const FileRef* f = std::get_if<FileRef>(&value)) return fmt::format("the file '{}'", f->path);
   return fmt::format("the method '{}'", std::get<MethodRef>(value).name);
 }
 
@@ -26,6 +28,18 @@ std::string described(const ParamValue& value) {
 void require_in_range(const ParamSpec& spec, double number, const ParamValue& value) {
   const bool low = spec.lowest_is_open ? number > spec.lowest : number >= spec.lowest;
   if (!low || !(number <= spec.highest)) refuse(spec, value);  // also refuses NaN
+}
+
+/// A file that is named is read for its hash; one that was checked before is taken as it was.
+FileRef checked_file(const ParamSpec& spec, const ParamValue& value) {
+  if (const FileRef* file = std::get_if<FileRef>(&value)) return *file;
+  const std::string* path = std::get_if<std::string>(&value);
+  if (path == nullptr || path->empty()) refuse(spec, value);
+  try {
+    return {*path, xxh3_hex(as_text(map_file(*path)))};
+  } catch (const Error&) {
+    refuse(spec, value);
+  }
 }
 
 }  // namespace
@@ -43,6 +57,7 @@ std::string expected_text(const ParamSpec& spec) {
     case ParamType::text: return "a text";
     case ParamType::choice: return fmt::format("one of {}", fmt::join(spec.choices, ", "));
     case ParamType::method: return fmt::format("a {}", role_name(spec.role));
+    case ParamType::file: return "the name of a file that can be read";
   }
   throw std::logic_error("expected_text: no such type");
 }
@@ -95,6 +110,7 @@ ParamValue checked(const ParamSpec& spec, const ParamValue& value) {
       (void)registry.get(spec.role, ref.name);
       return ref;
     }
+    case ParamType::file: return checked_file(spec, value);
   }
   throw std::logic_error("checked: no such type");
 }

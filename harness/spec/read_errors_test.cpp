@@ -68,6 +68,14 @@ TEST(ReadErrors, Settings) {
             "x.yaml:3:19: the cost model's heuristic is a sweep; expected one heuristic: all methods are measured by one cost");
 }
 
+TEST(ReadErrors, FilesOfMethods) {
+  EXPECT_EQ(errors(with_methods("{a: tree-file}")),
+            "x.yaml:2:14: builder 'tree-file' has no 'path'; expected the name of a file that can be read");
+  EXPECT_EQ(
+      errors(with_builder("{tree-file: {path: no.tree}}")),
+      "x.yaml:2:43: builder 'tree-file': parameter 'path' is the text 'no.tree'; expected the name of a file that can be read");
+}
+
 TEST(ReadErrors, Scales) {
   EXPECT_EQ(errors(good + "seed: {full: 1}\n"),
             "x.yaml:3:7: there is no value for scale 'quick'; expected a value for 'quick'; a larger scale without its own takes "

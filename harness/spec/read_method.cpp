@@ -67,6 +67,18 @@ std::vector<ValueChoice> read_values(Reading& reading, const YamlNode& written, 
   return choices;
 }
 
+/// Reports the files that a method needs and that `params` does not name.
+bool names_files(Reading& reading, const YamlNode* params, const Registry::Entry& entry, const SourceLocation& where) {
+  bool good = true;
+  for (const ParamSpec& spec : entry.info.params) {
+    if (spec.type != ParamType::file || (params != nullptr && params->find(spec.name) != nullptr)) continue;
+    reading.report(where, fmt::format("{} '{}' has no '{}'", role_name(entry.role), entry.info.name, spec.name),
+                   expected_text(spec));
+    good = false;
+  }
+  return good;
+}
+
 std::vector<MethodChoice> read_params(Reading& reading, const YamlNode* params, const Registry::Entry& entry,
                                       const SourceLocation& where) {
   const std::string owner = fmt::format("{} '{}'", role_name(entry.role), entry.info.name);
@@ -108,7 +120,7 @@ std::vector<MethodChoice> read_params(Reading& reading, const YamlNode* params, 
       if (!values.empty()) points = std::move(next);
     }
   }
-  if (!good) return {};
+  if (!good || !names_files(reading, params, entry, where)) return {};
   std::vector<MethodChoice> choices;
   choices.reserve(points.size());
   for (auto& [values, sweep] : points) {

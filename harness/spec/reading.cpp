@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -59,7 +60,8 @@ std::optional<ParamValue> parse_as(const YamlNode& node, ParamType type) {
   switch (type) {
     case ParamType::text:
     case ParamType::choice:
-    case ParamType::method: return node.text;
+    case ParamType::method:
+    case ParamType::file: return node.text;
     case ParamType::boolean:
       if (node.plain && (node.text == "true" || node.text == "false")) return node.text == "true";
       return std::nullopt;
@@ -214,6 +216,7 @@ std::string label_text(const ParamValue& value) {
   if (const auto* integer = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *integer);
   if (const auto* real = std::get_if<double>(&value)) return fmt::format("{}", *real);
   if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  if (const auto* file = std::get_if<FileRef>(&value)) return std::filesystem::path(file->path).filename().string();
   return std::get<MethodRef>(value).name;
 }
 

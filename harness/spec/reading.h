@@ -73,7 +73,7 @@ class Fields {
 /// control letters.
 void check_label(Reading& reading, const SourceLocation& where, const std::string& label);
 
-/// A value as it stands in labels: the shortest text that reads back; a method's name.
+/// A value as it stands in labels: the shortest text that reads back; a method's name; a file's, without its folder.
 [[nodiscard]] std::string label_text(const ParamValue& value);
 
 /// Things of a plan by label.

@@ -43,6 +43,7 @@ json type_of(const ParamSpec& spec) {
     }
     case ParamType::choice: return one_of_names(spec.choices);
     case ParamType::text: return {{"type", json::array({"string", "number", "boolean"})}};
+    case ParamType::file: return text();
     case ParamType::method: return reference(std::string(role_name(spec.role)));
   }
   return {};

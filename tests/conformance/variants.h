@@ -16,7 +16,7 @@ struct Variant {
   std::string accel;
 };
 
-/// All of a role, in the order of names; with `defaults_only` one for each method.
+/// All of a role that need no file, in the order of names; with `defaults_only` one for each method.
 inline std::vector<Variant> variants(Role role, bool defaults_only = false) {
   const Registry& registry = Registry::instance();
   std::vector<Variant> all;
@@ -28,7 +28,7 @@ inline std::vector<Variant> variants(Role role, bool defaults_only = false) {
   };
   using Changes = std::map<std::string, ParamValue, std::less<>>;
   for (const Registry::Entry* entry : registry.entries()) {
-    if (entry->role != role) continue;
+    if (entry->role != role || entry->info.needs_file()) continue;
     add(*entry, "", Changes{});
     if (defaults_only) continue;
     for (const ParamSpec& param : entry->info.params) {

@@ -29,7 +29,7 @@ std::vector<TracedAccel> accels(const Scene& scene) {
   context.threads = 2;
   std::map<std::string, MethodRef, std::less<>> builder_of_kind;
   for (const Registry::Entry* entry : registry.entries()) {
-    if (entry->role == Role::builder)
+    if (entry->role == Role::builder && !entry->info.needs_file())
       builder_of_kind.try_emplace(entry->info.accel, registry.ref(Role::builder, entry->info.name));
   }
   builder_of_kind["bvh2"] = registry.ref(Role::builder, "sweep-sah");
