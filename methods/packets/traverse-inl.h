@@ -221,9 +221,9 @@ class PacketTraversal : PacketState<D, Counter> {
     return siblings.first;
   }
 
-  /// The nearest child first; for any hits the one of the largest measure, which has the lowest slot.
+  /// The nearest child first; for any hits the one of the largest measure, which has the highest slot.
   [[nodiscard]] HWY_INLINE std::uint32_t order(std::uint32_t slot, float near) const {
-    return any_ ? slot : std::bit_cast<std::uint32_t>(near);
+    return any_ ? static_cast<std::uint32_t>(width) - slot : std::bit_cast<std::uint32_t>(near);
   }
 
   /// The children of a node: the first by key, and the others on the stack, the last at the bottom.
