@@ -1,6 +1,8 @@
 #include "harness/base/missing_path.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -12,11 +14,11 @@ namespace fs = std::filesystem;
 class MissingPathTest : public testing::Test {
  protected:
   void SetUp() override {
-    folder = fs::path(testing::TempDir()) / "missing_path_test";
-    fs::remove_all(folder);
+    folder = fs::path(testing::TempDir()) / fmt::format("missing-path-{}", getpid());  // tests run side by side
     fs::create_directories(folder / "experiments" / "figures.yaml");
     for (const char* name : {"figure1.yaml", "figure2.yaml", "figures.txt"}) std::ofstream(folder / "experiments" / name) << "x";
   }
+  void TearDown() override { fs::remove_all(folder); }
   [[nodiscard]] MissingPath look(const std::string& path, const std::vector<std::string_view>& extensions = {}) const {
     return look_around(folder / path, extensions);
   }
