@@ -252,13 +252,15 @@ class PacketTraversal : PacketState<D, Counter> {
   template <class Push>
   HWY_INLINE void traverse(const NearPlanes& sides, const Push& push_children) {
     top_ = stack_.data();
+    // Without culling a child's key tells where the first group that meets it enters it; others may do so nearer.
+    const bool keys_are_lower_bounds = this->options_.culling != Culling::none;
     std::uint32_t index = 0;
     GroupRange range{0, static_cast<std::uint32_t>(this->count_ - 1)};
     while (true) {
       this->counter_.inner(this->groups_.data(), range);
       Waiting next = push_children(index, range);
       while (true) {
-        while (next.key == Waiting::nothing || next.near() > this->far_) {
+        while (next.key == Waiting::nothing || (keys_are_lower_bounds && next.near() > this->far_)) {
           if (top_ == stack_.data()) return;
           next = *--top_;
         }
@@ -271,7 +273,7 @@ class PacketTraversal : PacketState<D, Counter> {
                : this->template enter_leaf<false>(index, box, range, sides);
         } else {
           float near = 0;
-          if (this->options_.culling == Culling::none || this->find_active(box, sides, range, near)) break;
+          if (this->find_active(box, sides, range, near)) break;
         }
         next.key = Waiting::nothing;
       }

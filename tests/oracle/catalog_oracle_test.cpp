@@ -22,7 +22,18 @@ struct TracedAccel {
   std::unique_ptr<Accel> accel;
 };
 
-/// One structure of each kind that a builder makes, Bvh2 by sweep SAH; Embree with and without its robust flag.
+/// A method's parameters that change how it computes: its defaults, and each other choice of each choice parameter.
+std::vector<Changes> variants(const MethodInfo& info) {
+  std::vector<Changes> all{{}};
+  for (const ParamSpec& param : info.params) {
+    if (param.type != ParamType::choice) continue;
+    for (std::size_t i = 1; i < param.choices.size(); ++i) all.push_back({{param.name, param.choices[i]}});
+  }
+  return all;
+}
+
+/// One structure of each kind that a builder makes, Bvh2 by sweep SAH and everything encoders make of that; Embree with and
+/// without its robust flag.
 std::vector<TracedAccel> accels(const Scene& scene) {
   const Registry& registry = Registry::instance();
   BuildContext context;
@@ -32,11 +43,21 @@ std::vector<TracedAccel> accels(const Scene& scene) {
     if (entry->role == Role::builder && !entry->info.needs_file())
       builder_of_kind.try_emplace(entry->info.accel, registry.ref(Role::builder, entry->info.name));
   }
-  builder_of_kind["bvh2"] = registry.ref(Role::builder, "sweep-sah");
+  const MethodRef sweep = registry.ref(Role::builder, "sweep-sah");
+  builder_of_kind["bvh2"] = sweep;
   builder_of_kind["robust"] = registry.ref(Role::builder, "embree", {{"robust", true}});
   std::vector<TracedAccel> all;
   for (const auto& [kind, ref] : builder_of_kind) {
     all.push_back({canonical(ref), registry.create<Builder>(ref)->build(scene, context)});
+  }
+  const auto binary = registry.create<Builder>(sweep)->build(scene, context);
+  for (const Registry::Entry* entry : registry.entries()) {
+    if (entry->role != Role::encoder) continue;
+    for (const Changes& changes : variants(entry->info)) {
+      const MethodRef ref = registry.ref(Role::encoder, entry->info.name, changes);
+      all.push_back({canonical(sweep) + " + " + canonical(ref),
+                     registry.create<Encoder>(ref)->encode(dynamic_cast<const Bvh2&>(*binary), scene, context)});
+    }
   }
   return all;
 }
@@ -64,16 +85,6 @@ std::vector<Traced> workloads(const Scene& scene, ReferenceTracer& reference) {
     traced.reference.resize(traced.batch.rays.size());
     reference.trace(traced.batch.rays, traced.reference, traced.batch.query);
     all.push_back(std::move(traced));
-  }
-  return all;
-}
-
-/// The tracer's parameters that change how it computes: its defaults, and each other choice of each choice parameter.
-std::vector<Changes> variants(const MethodInfo& info) {
-  std::vector<Changes> all{{}};
-  for (const ParamSpec& param : info.params) {
-    if (param.type != ParamType::choice) continue;
-    for (std::size_t i = 1; i < param.choices.size(); ++i) all.push_back({{param.name, param.choices[i]}});
   }
   return all;
 }
