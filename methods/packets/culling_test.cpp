@@ -24,15 +24,15 @@ unsigned octant_of(Vec3 v) {
 struct OneGroup {
   RayGroup<D> group;
   SlabRanges<D> ranges;
-  NearPlanes sides;
   wide::SlabScene scene;
+  NearPlanes sides;
   unsigned octant;
   D d;
 
   OneGroup(const std::array<Ray, lanes>& rays, const Box& bounds)
       : ranges(D(), octant_of(rays[0].direction)),
-        sides(octant_of(rays[0].direction)),
         scene(bounds),
+        sides(octant_of(rays[0].direction)),
         octant(octant_of(rays[0].direction)) {
     make_ready(d, rays.data(), scene, group, ranges);
   }

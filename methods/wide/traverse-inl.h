@@ -108,7 +108,7 @@ HWY_INLINE Slabs<D> test_boxes(D d, const QuantizedNode<W>& node, std::size_t la
   const auto leave_z = hn::MulAdd(plane(2, 1 - ray.z), sz, hn::MulSub(oz, ray.rz, ray.fz));
   const auto enter = hn::Max(hn::Max(enter_x, enter_y), hn::Max(enter_z, tmin));
   const auto leave = hn::Min(hn::Min(leave_x, leave_y), hn::Min(leave_z, tmax));
-  const std::size_t used = static_cast<std::size_t>(node.used());
+  const auto used = static_cast<std::size_t>(node.used());
   return {hn::IfThenElse(hn::FirstN(d, used > lane ? used - lane : 0), enter, hn::Inf(d)), leave};
 }
 

@@ -64,7 +64,7 @@ struct WideRay {
                                                    _mm_shuffle_ps(d_size, d_size, _MM_SHUFFLE(3, 2, 2, 1))));
     static constexpr std::array<std::uint8_t, 8> largest{2, 2, 1, 2, 2, 0, 1, 0};
     along = largest[static_cast<std::size_t>(order & 7)];
-    static constexpr std::array<std::int8_t, 5> cycle{0, 1, 2, 0, 1};
+    static constexpr std::array<std::uint8_t, 5> cycle{0, 1, 2, 0, 1};
     across = cycle[static_cast<std::size_t>(along) + 1];
     up = cycle[static_cast<std::size_t>(along) + 2];
     const float* const direction = &ray.direction.x;

@@ -25,7 +25,7 @@ using Changes = std::map<std::string, ParamValue, std::less<>>;
 /// The least cost of node `n` as at most `trees` children, by trying everything.
 double least_cost(const Bvh2& bvh, const CollapseCosts& costs, int width, std::uint32_t n, int trees) {
   const Bvh2Node& node = bvh.nodes[n];
-  const double m = static_cast<double>(node.box.half_area());
+  const auto m = static_cast<double>(node.box.half_area());
   std::uint32_t triangles = 0;
   const std::function<void(std::uint32_t)> add = [&](std::uint32_t i) {
     if (bvh.nodes[i].is_leaf()) {
