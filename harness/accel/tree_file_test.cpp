@@ -158,6 +158,7 @@ TEST_P(TreeFiles, ChangedAndSealedAgainAreRefusedOrValid) {
 }
 
 std::string form_name(const testing::TestParamInfo<Example>& info) { return info.param.name; }
+void PrintTo(const Example& example, std::ostream* out) { *out << example.name; }
 
 INSTANTIATE_TEST_SUITE_P(Forms, TreeFiles, testing::ValuesIn(examples()), form_name);
 

@@ -60,6 +60,7 @@ TEST_P(Mutation, GivesAnErrorOrAScene) {
 }
 
 std::string name_of(const ::testing::TestParamInfo<Case>& info) { return info.param.name; }
+void PrintTo(const Case& input, std::ostream* out) { *out << input.name; }
 
 INSTANTIATE_TEST_SUITE_P(
     Formats, Mutation,

@@ -163,9 +163,9 @@ TEST_P(EveryVariant, MakesOneTreeWhateverTheThreads) {
   for (const int threads : {2, 3}) EXPECT_TRUE(same(one, build(GetParam().name, scene, GetParam().changes, threads))) << threads;
 }
 
-std::string variant_name(const testing::TestParamInfo<Variant>& info) {
-  std::string name = info.param.name;
-  for (const auto& [key, value] : info.param.changes) {
+std::string text(const Variant& variant) {
+  std::string name = variant.name;
+  for (const auto& [key, value] : variant.changes) {
     name += '_';
     if (const auto* text = std::get_if<std::string>(&value)) name += *text;
     if (const auto* number = std::get_if<std::int64_t>(&value)) name += std::to_string(*number);
@@ -173,6 +173,8 @@ std::string variant_name(const testing::TestParamInfo<Variant>& info) {
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
+std::string variant_name(const testing::TestParamInfo<Variant>& info) { return text(info.param); }
+void PrintTo(const Variant& variant, std::ostream* out) { *out << text(variant); }
 INSTANTIATE_TEST_SUITE_P(TopDown, EveryVariant, testing::ValuesIn(variants()), variant_name);
 
 // Plates at 0, 1, 2 and 9. Half areas of 1 x 1 plates united over a length l: 1 + 2 l.

@@ -215,12 +215,13 @@ std::vector<Case> cases() {
   return all;
 }
 
-std::string case_name(const testing::TestParamInfo<Case>& info) {
-  std::string name = info.param.encoder + "_" + std::get<std::string>(info.param.encoding.at("boxes")) + "_" +
-                     info.param.schedule + "_" + info.param.simd;
+std::string text(const Case& c) {
+  std::string name = c.encoder + "_" + std::get<std::string>(c.encoding.at("boxes")) + "_" + c.schedule + "_" + c.simd;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
+std::string case_name(const testing::TestParamInfo<Case>& info) { return text(info.param); }
+void PrintTo(const Case& c, std::ostream* out) { *out << text(c); }
 
 INSTANTIATE_TEST_SUITE_P(All, WideTracing, testing::ValuesIn(cases()), case_name);
 
