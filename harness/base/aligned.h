@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 #include <new>
+#include <type_traits>
 #include <vector>
 
 namespace raystudy {
@@ -40,5 +41,29 @@ class AlignedAllocator {
 
 template <class T>
 using AlignedVector = std::vector<T, AlignedAllocator<T>>;
+
+/// Room for elements of a fixed number, not written to before they are.
+template <class T>
+class AlignedRoom {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+
+ public:
+  explicit AlignedRoom(std::size_t n) : size_(n), data_(AlignedAllocator<T>().allocate(n)) {}
+  AlignedRoom(const AlignedRoom&) = delete;
+  AlignedRoom& operator=(const AlignedRoom&) = delete;
+  ~AlignedRoom() { AlignedAllocator<T>().deallocate(data_, size_); }
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] T* begin() { return data_; }
+  [[nodiscard]] T* end() { return data_ + size_; }
+  [[nodiscard]] T* data() { return data_; }
+  [[nodiscard]] const T* data() const { return data_; }
+  [[nodiscard]] T& operator[](std::size_t i) { return data_[i]; }
+  [[nodiscard]] const T& operator[](std::size_t i) const { return data_[i]; }
+
+ private:
+  std::size_t size_;
+  T* data_;
+};
 
 }  // namespace raystudy

@@ -132,6 +132,16 @@ void parallel_for_blocks(std::size_t count, std::size_t grain, const F& f) {
 
 #endif
 
+/// The same where `threads` may be 1: then as one block, on the calling thread.
+template <class F>
+void parallel_for_blocks(std::size_t count, std::size_t grain, int threads, const F& f) {
+  if (threads == 1) {
+    f(std::size_t{0}, count);
+  } else {
+    parallel_for_blocks(count, grain, f);
+  }
+}
+
 /// Calls f(i) for each i in [0, count): for many, small pieces of work.
 template <class F>
 void parallel_for_indices(std::size_t count, const F& f) {

@@ -32,23 +32,7 @@ struct alignas(32) BoxRecord {
 };
 static_assert(sizeof(BoxRecord) == 32);
 
-/// Room for records, not written to before they are.
-class BoxRecords {
- public:
-  explicit BoxRecords(std::size_t n) : size_(n), data_(AlignedAllocator<BoxRecord>().allocate(n)) {}
-  BoxRecords(const BoxRecords&) = delete;
-  BoxRecords& operator=(const BoxRecords&) = delete;
-  ~BoxRecords() { AlignedAllocator<BoxRecord>().deallocate(data_, size_); }
-
-  [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] BoxRecord* data() { return data_; }
-  [[nodiscard]] BoxRecord& operator[](std::size_t i) { return data_[i]; }
-  [[nodiscard]] const BoxRecord& operator[](std::size_t i) const { return data_[i]; }
-
- private:
-  std::size_t size_;
-  BoxRecord* data_;
-};
+using BoxRecords = AlignedRoom<BoxRecord>;
 
 #if HWY_MAX_BYTES >= 32
 /// A box in one vector register, laid out as BoxRecord; the fourth lanes of the halves are meaningless.

@@ -1,10 +1,11 @@
 #include "methods/topdown/sweep_orders.h"
 
-#include <array>
+#include <algorithm>
 #include <bit>
 #include <utility>
 
 #include "harness/base/parallel.h"
+#include "harness/base/radix_sort.h"
 
 namespace raystudy::topdown {
 namespace {
@@ -13,37 +14,6 @@ namespace {
 std::uint32_t sortable(float x) {
   const auto bits = std::bit_cast<std::uint32_t>(x + 0.0F);
   return (bits & 0x80000000U) != 0 ? ~bits : bits | 0x80000000U;
-}
-
-struct KeyedIndex {
-  std::uint32_t key;
-  std::uint32_t index;
-};
-
-/// Sorts by key and, being stable, leaves equal keys in the order of indices: a least-significant-digit radix sort of three
-/// passes of 11 bits. Returns the sorted indices.
-std::unique_ptr<std::uint32_t[]> sorted_indices(std::unique_ptr<KeyedIndex[]> items, std::size_t n) {
-  constexpr int bits = 11;
-  constexpr std::size_t digits = std::size_t{1} << bits;
-  const auto digit = [](std::uint32_t key, int pass) { return (key >> (pass * bits)) & (digits - 1); };
-  std::vector<std::array<std::uint32_t, digits>> starts(3);
-  for (std::size_t i = 0; i < n; ++i) {
-    for (int pass = 0; pass < 3; ++pass) ++starts[static_cast<std::size_t>(pass)][digit(items[i].key, pass)];
-  }
-  for (auto& pass : starts) {
-    std::uint32_t sum = 0;
-    for (std::uint32_t& start : pass) start = std::exchange(sum, sum + start);
-  }
-  auto other = std::make_unique_for_overwrite<KeyedIndex[]>(n);
-  for (int pass = 0; pass < 2; ++pass) {
-    auto& start = starts[static_cast<std::size_t>(pass)];
-    for (std::size_t i = 0; i < n; ++i) other[start[digit(items[i].key, pass)]++] = items[i];
-    std::swap(items, other);
-  }
-  other.reset();
-  auto sorted = std::make_unique_for_overwrite<std::uint32_t[]>(n);
-  for (std::size_t i = 0; i < n; ++i) sorted[starts[2][digit(items[i].key, 2)]++] = items[i].index;
-  return sorted;
 }
 
 float position(const Scene& scene, const BoxRecord& r, Positions positions, int axis, bool upper) {
@@ -60,19 +30,10 @@ float position(const Scene& scene, const BoxRecord& r, Positions positions, int 
   return 0;
 }
 
-template <class F>
-void for_each_range(std::size_t n, int threads, F&& f) {
-  if (threads == 1) {
-    f(std::size_t{0}, n);
-  } else {
-    parallel_for_blocks(n, 4096, f);
-  }
-}
-
 }  // namespace
 
-void fill_records(const Scene& scene, int threads, BoxRecords& records) {
-  for_each_range(records.size(), threads, [&](std::size_t begin, std::size_t end) {
+void fill_records(const Scene& scene, int threads, std::span<BoxRecord> records) {
+  parallel_for_blocks(records.size(), 4096, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto t = static_cast<std::uint32_t>(i);
       records[i] = BoxRecord::of(scene.triangle_box(t), t);
@@ -86,12 +47,16 @@ SweepOrders::SweepOrders(const Scene& scene, Positions positions, int threads, c
   const int per_axis = positions == Positions::box_bounds ? 2 : 1;
   lists.resize(std::size_t{3} * static_cast<std::size_t>(per_axis));
   const auto sort = [&](int order) {
-    auto items = std::make_unique_for_overwrite<KeyedIndex[]>(records.size());
+    const auto room = [n = records.size()] { return std::make_unique_for_overwrite<Keyed<std::uint32_t>[]>(n); };
+    auto items = room();
     for (std::size_t i = 0; i < records.size(); ++i) {
       items[i] = {sortable(position(scene, records[i], positions, order / per_axis, order % per_axis == 1)),
                   static_cast<std::uint32_t>(i)};
     }
-    lists[static_cast<std::size_t>(order)] = sorted_indices(std::move(items), records.size());
+    auto& list = lists[static_cast<std::size_t>(order)];
+    list = std::make_unique_for_overwrite<std::uint32_t[]>(records.size());
+    radix_sort(std::move(items), room(), records.size(), 32, std::max(1, threads / count()),
+               [&list](std::size_t place, const Keyed<std::uint32_t>& item) { list[place] = item.index; });
   };
   if (threads == 1) {
     for (int order = 0; order < count(); ++order) sort(order);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "harness/scene/scene.h"
@@ -32,6 +33,6 @@ struct SweepOrders {
 };
 
 /// Fills `records`, one a triangle, in the scene's order.
-void fill_records(const Scene& scene, int threads, BoxRecords& records);
+void fill_records(const Scene& scene, int threads, std::span<BoxRecord> records);
 
 }  // namespace raystudy::topdown

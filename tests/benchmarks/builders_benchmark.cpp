@@ -1,4 +1,4 @@
-// Building rate of the top-down builders. Scenes are named in RAYSTUDY_BENCHMARK_SCENES, separated by commas; NAME:COUNT is a
+// Building rate of the builders of binary trees. Scenes are named in RAYSTUDY_BENCHMARK_SCENES, separated by commas; NAME:COUNT is a
 // procedural scene of COUNT triangles. Each is built on 1 and on 2 threads, with one triangle a leaf.
 //   RAYSTUDY_BENCHMARK_SCENES=sponza-crytek,terrain:1000000 builders_benchmark --benchmark_enable_random_interleaving=true
 //     --benchmark_repetitions=9 --benchmark_report_aggregates_only=true
@@ -33,7 +33,7 @@ void register_scene(std::string_view spec) {
   const std::size_t colon = spec.find(':');
   const std::int64_t triangles = colon == std::string_view::npos ? 0 : std::stoll(std::string(spec.substr(colon + 1)));
   const auto scene = std::make_shared<const Scene>(open_scene(spec.substr(0, colon), triangles));
-  for (const char* name : {"sweep-sah", "binned-sah", "spatial-median", "object-median"}) {
+  for (const char* name : {"sweep-sah", "binned-sah", "spatial-median", "object-median", "ploc"}) {
     for (const int threads : {1, 2}) {
       benchmark::RegisterBenchmark(fmt::format("{}/{}/threads:{}", spec, name, threads).c_str(),
                                    [scene, name, threads](benchmark::State& state) { build(state, *scene, name, threads); })
