@@ -122,7 +122,7 @@ TEST(Yaml, NamesTheReasonWhyAFileCannotBeRead) {
       (void)read_yaml(file, problems);
       FAIL();
     } catch (const Error& error) {
-      EXPECT_EQ(error.what(), file + ": cannot be read: " + reason);
+      EXPECT_EQ(error.what(), std::string(file).append(": cannot be read: ").append(reason));
     }
   }
 }
