@@ -39,13 +39,18 @@ void write_wide(const ReportTable& table, std::ostream& out) {
     return std::any_of(table.rows.begin(), table.rows.end(),
                        [i](const ReportRow& row) { return row.cells[i].ours && row.cells[i].ours->interval; });
   };
+  const auto any_target = [&](std::size_t i) {
+    return std::any_of(table.rows.begin(), table.rows.end(),
+                       [i](const ReportRow& row) { return row.cells[i].target.has_value(); });
+  };
   std::vector<std::string> head{"row"};
   for (std::size_t i = 0; i < table.columns.size(); ++i) {
     const std::string& name = table.columns[i].name;
     if (table.columns[i].published != nullptr) head.push_back(name + ".published");
     head.push_back(name);
     if (any_interval(i)) head.insert(head.end(), {name + ".low", name + ".high"});
-    if (table.columns[i].published != nullptr) head.insert(head.end(), {name + ".ratio", name + ".verdict"});
+    if (table.columns[i].published != nullptr) head.push_back(name + ".ratio");
+    if (table.columns[i].published != nullptr || any_target(i)) head.push_back(name + ".verdict");
   }
   write_record(head, out);
   for (const ReportRow& row : table.rows) {
@@ -55,7 +60,8 @@ void write_wide(const ReportTable& table, std::ostream& out) {
       if (table.columns[i].published != nullptr) fields.push_back(published(cell));
       fields.push_back(ours(cell));
       if (any_interval(i)) fields.insert(fields.end(), {low(cell), high(cell)});
-      if (table.columns[i].published != nullptr) fields.insert(fields.end(), {number(cell.ratio), verdict(cell)});
+      if (table.columns[i].published != nullptr) fields.push_back(number(cell.ratio));
+      if (table.columns[i].published != nullptr || any_target(i)) fields.push_back(verdict(cell));
     }
     write_record(fields, out);
   }
@@ -64,15 +70,17 @@ void write_wide(const ReportTable& table, std::ostream& out) {
 }  // namespace
 
 void write_csv(const std::vector<ReportTable>& tables, std::ostream& out) {
-  write_record({"table", "row", "column", "class", "unit", "published", "ours", "low", "high", "ratio", "verdict", "reason"},
-               out);
+  write_record(
+      {"table", "row", "column", "class", "unit", "published", "target", "ours", "low", "high", "ratio", "verdict", "reason"},
+      out);
   for (const ReportTable& table : tables) {
     for (const ReportRow& row : table.rows) {
       for (std::size_t i = 0; i < table.columns.size(); ++i) {
         const ReportCell& cell = row.cells[i];
         const std::string value_class = cell.value_class ? std::string(value_class_name(*cell.value_class)) : "";
         write_record({table.name, row.label, table.columns[i].name, value_class, table.columns[i].unit, published(cell),
-                      ours(cell), low(cell), high(cell), number(cell.ratio), verdict(cell), reason(cell)},
+                      cell.target ? cell.target->text() : "", ours(cell), low(cell), high(cell), number(cell.ratio),
+                      verdict(cell), reason(cell)},
                      out);
       }
     }

@@ -18,8 +18,9 @@ enum class TableFormat : unsigned char { markdown, latex, csv, csv_wide };
 void write_markdown(const std::vector<ReportTable>& tables, std::ostream& out);
 /// Needs the packages booktabs and, before LaTeX 2018, inputenc with utf8.
 void write_latex(const std::vector<ReportTable>& tables, std::ostream& out);
-/// RFC 4180: the header `table,row,column,class,unit,published,ours,low,high,ratio,verdict,reason`, then one line a cell. Numbers
-/// have all their digits; published ones the paper's. Fields without a value are empty.
+/// RFC 4180: the header `table,row,column,class,unit,published,target,ours,low,high,ratio,verdict,reason`, then one line a cell.
+/// Numbers have all their digits; published ones the paper's. Of a range `ours` is where it begins. Fields without a value are
+/// empty.
 void write_csv(const std::vector<ReportTable>& tables, std::ostream& out);
 /// RFC 4180: per table a header `row,COLUMN,…` with COLUMN.published, .low, .high, .ratio and .verdict where there are such; an
 /// empty line between tables.
@@ -46,17 +47,23 @@ struct NotedText {
   std::size_t note = 0;
 };
 
-/// A row as lines of texts, its label first. A table without published values has one line a row. One with them has up to four,
-/// one below the other under a second heading, so that a table of many columns stays readable: published, ours, ratio, verdict.
-[[nodiscard]] std::vector<std::vector<NotedText>> row_lines(const ReportTable& table, const ReportRow& row, const Notes& notes);
+/// The lines of one row, or in a transposed table of one column, as texts; its label first.
+using NotedLines = std::vector<std::vector<NotedText>>;
+
+/// A table without published values and targets has one line a row. One with them has up to four, one below the other under a
+/// second heading, so that a table of many columns stays readable: published, ours, ratio, verdict.
+[[nodiscard]] std::vector<NotedLines> table_lines(const ReportTable& table, const Notes& notes);
+/// How many columns of text stand before the numbers.
+[[nodiscard]] std::size_t text_columns(const ReportTable& table);
 /// The headings over those lines, units in brackets.
 [[nodiscard]] std::vector<std::string> head_line(const ReportTable& table);
 
-/// "0.52 [0.50, 0.55]"; what is absent as "not run", "failed", "not installed" or "–".
+/// "0.52 [0.50, 0.55]"; a range as "12.3 k to 1.20 M"; what is absent as "not run", "failed", "not installed", "never" or "–".
 [[nodiscard]] std::string shown_value(const ReportCell& cell, int decimals);
 /// "cost: Table 1, p. 17; match within 1 % of the published value", a line for each published column.
 [[nodiscard]] std::vector<std::string> published_lines(const ReportTable& table);
-/// What the verdicts mean, in one line.
+/// What the verdicts over published values mean, in one line, and those over targets.
 [[nodiscard]] std::string_view verdict_legend();
+[[nodiscard]] std::string_view target_legend();
 
 }  // namespace raystudy

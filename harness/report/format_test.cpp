@@ -53,7 +53,7 @@ Plan by_method() {
   table.columns.erase(table.columns.begin() + 1);
   table.columns.pop_back();
   for (ColumnSpec& c : table.columns) {
-    c.method.clear();
+    c.methods.clear();
     c.published.clear();
   }
   table.columns.back().unit = "ms";
@@ -63,6 +63,29 @@ Plan by_method() {
 
 TEST(Format, MarkdownByMethod) { expect_golden("methods.md", formatted(TableFormat::markdown, by_method(), nullptr)); }
 TEST(Format, LatexByMethod) { expect_golden("methods.tex", formatted(TableFormat::latex, by_method(), nullptr)); }
+
+/// Targets as rows, scenes side by side.
+Plan targets() {
+  Plan plan = test_plan();
+  plan.paper.clear();
+  plan.scenes.erase(plan.scenes.begin() + 1);
+  TableSpec& table = plan.tables.front();
+  table.name = "targets";
+  table.transposed = true;
+  table.columns.erase(table.columns.begin() + 1);
+  table.columns.back().label = "time of the best";
+  table.columns.back().methods = {"sah", "insertion"};
+  table.columns.back().unit = "";
+  for (ColumnSpec& c : table.columns) c.published.clear();
+  for (const SceneSpec& scene : plan.scenes) table.columns.back().targets[scene.label] = *parse_target("<= 1.0");
+  table.columns.front().targets["conference"] = *parse_target("< 140.5");
+  return plan;
+}
+
+TEST(Format, MarkdownOfTargets) { expect_golden("targets.md", formatted(TableFormat::markdown, targets(), nullptr)); }
+TEST(Format, LatexOfTargets) { expect_golden("targets.tex", formatted(TableFormat::latex, targets(), nullptr)); }
+TEST(Format, CsvOfTargets) { expect_golden("targets.csv", formatted(TableFormat::csv, targets(), nullptr)); }
+TEST(Format, CsvWideOfTargets) { expect_golden("targets-wide.csv", formatted(TableFormat::csv_wide, targets(), nullptr)); }
 
 TEST(Format, CsvQuotesWhatNeedsIt) {
   ReportTable table;
@@ -75,8 +98,8 @@ TEST(Format, CsvQuotesWhatNeedsIt) {
   std::ostringstream out;
   write_csv({table}, out);
   EXPECT_EQ(out.str(),
-            "table,row,column,class,unit,published,ours,low,high,ratio,verdict,reason\r\n"
-            "\"a,b\",r,\"c\"\"d\",,s,,,,,,,\"two\nlines\"\r\n");
+            "table,row,column,class,unit,published,target,ours,low,high,ratio,verdict,reason\r\n"
+            "\"a,b\",r,\"c\"\"d\",,s,,,,,,,,\"two\nlines\"\r\n");
 }
 
 TEST(TableFormat, NamesTheNearest) {

@@ -67,6 +67,7 @@ void write_footer(const ReportTable& table, const Notes& notes, std::ostream& ou
   out << fmt::format("  Cost model: $c_T = {:g}$, $c_I = {:g}$, heuristic {}.", table.traversal, table.intersection,
                      escaped(table.heuristic));
   for (const std::string& remark : table.remarks) out << "\\\\\n  " << escaped(remark) << '.';
+  if (table.has_targets()) out << "\\\\\n  Targets: " << escaped(target_legend());
   if (table.has_published()) out << "\\\\\n  Published: " << escaped(table.citation) << '.';
   for (const std::string& line : published_lines(table)) out << "\\\\\n  " << escaped(line) << '.';
   out << '\n';
@@ -74,20 +75,22 @@ void write_footer(const ReportTable& table, const Notes& notes, std::ostream& ou
 
 void write_table(const ReportTable& table, std::ostream& out) {
   const Notes notes(table);
-  const bool compared = table.has_published();
+  const std::size_t texts = text_columns(table);
   out << "\\begin{table}\n  \\centering\n";
   out << "  \\caption{" << escaped(table.caption.empty() ? table.name : table.caption) << "}\n";
   std::string label = table.name;
   std::replace(label.begin(), label.end(), '/', ':');
   out << "  \\label{tab:" << label << "}\n";
-  out << "  \\begin{tabular}{l" << (compared ? "l" : "") << std::string(table.columns.size(), 'r') << "}\n    \\toprule\n";
+  out << "  \\begin{tabular}{" << std::string(texts, 'l')
+      << std::string(table.transposed ? table.rows.size() : table.columns.size(), 'r') << "}\n    \\toprule\n";
   std::vector<NotedText> head;
   for (std::string& text : head_line(table)) head.push_back({std::move(text), 0});
   write_line(head, out);
   out << "    \\midrule\n";
-  for (std::size_t i = 0; i < table.rows.size(); ++i) {
-    if (i > 0 && compared) out << "    \\addlinespace\n";
-    for (const auto& line : row_lines(table, table.rows[i], notes)) write_line(line, out);
+  const std::vector<NotedLines> rows = table_lines(table, notes);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (i > 0 && texts > 1) out << "    \\addlinespace\n";
+    for (const auto& line : rows[i]) write_line(line, out);
   }
   out << "    \\bottomrule\n  \\end{tabular}\n";
   write_footer(table, notes, out);

@@ -75,10 +75,10 @@ void write_table(const ReportTable& table, std::ostream& out) {
   const bool compared = table.has_published();
   fmt::format_to(std::ostreambuf_iterator<char>(out), "### {}{}{}\n\n", table.name, table.caption.empty() ? "" : ": ",
                  table.caption);
-  Grid grid(compared ? 2 : 1);
+  Grid grid(text_columns(table));
   grid.add(head_line(table));
-  for (const ReportRow& row : table.rows) {
-    for (const auto& line : row_lines(table, row, notes)) grid.add(marked(line));
+  for (const NotedLines& lines : table_lines(table, notes)) {
+    for (const auto& line : lines) grid.add(marked(line));
   }
   grid.write(out);
   out << '\n';
@@ -86,6 +86,7 @@ void write_table(const ReportTable& table, std::ostream& out) {
   fmt::format_to(std::ostreambuf_iterator<char>(out), "Cost model: c_T = {:g}, c_I = {:g}, heuristic {}  \n", table.traversal,
                  table.intersection, table.heuristic);
   for (const std::string& remark : table.remarks) out << remark << "  \n";
+  if (table.has_targets()) out << "Targets: " << target_legend() << '\n';
   if (!compared) return;
   out << "Published: " << table.citation << "  \n";
   for (const std::string& line : published_lines(table)) out << "- " << line << '\n';

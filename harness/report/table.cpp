@@ -4,9 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <utility>
 
+#include "harness/report/break_even.h"
 #include "harness/report/value.h"
 #include "harness/spec/quantity.h"
 
@@ -74,6 +76,7 @@ class TableBuilder {
     start(scene);
     const std::vector<RowPlace> rows = rows_of(spec_, plan_, scene);
     for (const RowPlace& row : rows) fill_row(row);
+    for (const auto& [column, contest] : contests_) settle(column, contest);
     judge_all();
     add_remarks();
     if (spec_.rows == "scene" && spec_.row_filter.empty()) add_rows_without_scene();
@@ -89,11 +92,18 @@ class TableBuilder {
     const PublishedScene* scene = nullptr;
   };
 
+  /// The methods of a break-even column, and their rows.
+  struct Contest {
+    std::vector<ValuePlace> places;
+    std::vector<std::size_t> rows;
+  };
+
   void start(const std::string& scene) {
     table_.name = scene.empty() || !spec_.scene.empty() ? spec_.name : fmt::format("{}/{}", spec_.name, scene);
     table_.caption = spec_.caption;
     if (spec_.rows != "scene") table_.caption += fmt::format("{}{}", table_.caption.empty() ? "" : ": ", scene);
-    table_.row_heading = spec_.rows == "scene" ? "Scene" : "Method";
+    table_.transposed = spec_.transposed;
+    table_.row_heading = spec_.transposed ? "" : spec_.rows == "scene" ? "Scene" : "Method";
     for (const ColumnSpec& c : spec_.columns) {
       table_.columns.push_back(
           {c.name, c.label.empty() ? c.name : c.label, shown_unit(c, published_), c.decimals, published_column(c, published_)});
@@ -118,12 +128,19 @@ class TableBuilder {
     std::vector<FoundValue> values;
     for (std::size_t i = 0; i < spec_.columns.size(); ++i) {
       const ColumnSpec& column = spec_.columns[i];
-      const std::string method = column.method.empty() ? place.method : column.method;
+      const std::string method = column.methods.empty() ? place.method : column.methods.front();
       const ValuePlace value_place{place.scene, method, column.tracer, column.workload};
-      if (!is_traced(method, column.tracer)) {
+      if (column.methods.size() < 2 && !is_traced(method, column.tracer)) {
         // The study has no such cell, which is not the same as one that has not been run.
         values.emplace_back().absence = "none";
         row.cells.emplace_back().absence = "none";
+        continue;
+      }
+      if (column.metric == break_even_quantity) {
+        contests_[i].places.push_back(value_place);
+        contests_[i].rows.push_back(table_.rows.size());
+        values.emplace_back().absence = "none";
+        row.cells.emplace_back();
         continue;
       }
       const FoundValue& found =
@@ -136,10 +153,24 @@ class TableBuilder {
       }
       cell.absence = found.absence;
       cell.reason = found.reason;
+      if (const auto target = column.targets.find(place.scene); target != column.targets.end()) add_target(cell, target->second);
       if (table_.columns[i].published != nullptr) add_published(cell, place, i, value_place);
       row.cells.push_back(std::move(cell));
     }
     table_.rows.push_back(std::move(row));
+  }
+
+  void settle(std::size_t column, const Contest& contest) {
+    const std::vector<ReportCell> cells = break_even_cells(contest.places, results_);
+    for (std::size_t i = 0; i < cells.size(); ++i) table_.rows[contest.rows[i]].cells[column] = cells[i];
+  }
+
+  static void add_target(ReportCell& cell, const Target& target) {
+    cell.target = target;
+    if (!cell.ours) return;
+    const Judgement judgement = judge(target, *cell.ours);
+    cell.verdict = judgement.verdict;
+    cell.reason = joined(cell.reason, judgement.reason);
   }
 
   void add_published(ReportCell& cell, const RowPlace& place, std::size_t i, const ValuePlace& value_place) {
@@ -153,7 +184,8 @@ class TableBuilder {
     cell.ratio = cell.ours->value / value->second.value;
     const ColumnSpec& spec = spec_.columns[i];
     // A formula's value has no peers: what it is made of differs from column to column.
-    const std::string quantity = spec.metric.empty() ? spec.name : spec.metric + '\n' + spec.relative_to;
+    const std::string quantity =
+        spec.metric.empty() ? spec.name : fmt::format("{}\n{}", spec.metric, fmt::join(spec.relative_to, "\n"));
     judged_.push_back({table_.rows.size(), i,
                        fmt::format("{}\n{}\n{}\n{}", value_place.scene, value_place.tracer, value_place.workload, quantity),
                        paper.scene});
@@ -170,8 +202,7 @@ class TableBuilder {
       }
       Judgement judgement = judge(*table_.columns[own.column].published, own.scene, cell.published->value, *cell.ours, peers);
       cell.verdict = judgement.verdict;
-      if (!cell.reason.empty() && !judgement.reason.empty()) cell.reason += "; ";
-      cell.reason += judgement.reason;
+      cell.reason = joined(cell.reason, judgement.reason);
     }
   }
 
@@ -228,6 +259,7 @@ class TableBuilder {
   const Published* published_;
   ReportTable table_;
   std::vector<Judged> judged_;
+  std::map<std::size_t, Contest> contests_;  ///< by column
 };
 
 void check_column(const ColumnSpec& column, const TableSpec& table, const Published* published,
@@ -276,6 +308,12 @@ const CellResult* ResultSet::find(std::string_view scene, std::string_view metho
 
 bool ReportTable::has_published() const {
   return std::any_of(columns.begin(), columns.end(), [](const ReportColumn& c) { return c.published != nullptr; });
+}
+
+bool ReportTable::has_targets() const {
+  return std::any_of(rows.begin(), rows.end(), [](const ReportRow& row) {
+    return std::any_of(row.cells.begin(), row.cells.end(), [](const ReportCell& c) { return c.target.has_value(); });
+  });
 }
 
 std::optional<Published> published_of(const Plan& plan) {

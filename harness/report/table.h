@@ -30,10 +30,12 @@ class ResultSet {
 struct ReportCell {
   std::optional<ValueClass> value_class;  ///< of ours, else of the published value
   std::optional<PublishedValue> published;
-  std::optional<Estimate> ours;  ///< in the column's unit
-  std::optional<double> ratio;   ///< ours / published
+  std::optional<Estimate> ours;     ///< in the column's unit
+  std::optional<double> range_end;  ///< where ours begins a range: its end, infinite where it has none
+  std::optional<double> ratio;      ///< ours / published
+  std::optional<Target> target;     ///< what ours is to reach
   Verdict verdict = Verdict::none;
-  std::string absence;  ///< where there is no value of ours: "not run", "failed", "not installed", "none"
+  std::string absence;  ///< where there is no value of ours: "not run", "failed", "not installed", "never", "none"
   std::string reason;   ///< why there is none, or what the verdict rests on
 };
 
@@ -55,6 +57,7 @@ struct ReportTable {
   std::string name;
   std::string caption;
   std::string row_heading;
+  bool transposed = false;  ///< shown with a line for each column, rows side by side
   std::vector<ReportColumn> columns;
   std::vector<ReportRow> rows;
   /// What always stands under a table: cost model, conditions, machine.
@@ -65,6 +68,7 @@ struct ReportTable {
   std::string citation;  ///< of the published values; empty where the table has none
 
   [[nodiscard]] bool has_published() const;
+  [[nodiscard]] bool has_targets() const;
 };
 
 /// results/published/<paper>.yaml beside the experiment's folder, else of the source tree, else the installed one. Nothing where

@@ -161,7 +161,7 @@ TEST_F(TableTest, EachMethodOfARowMayBeTracedByItsOwnTracer) {
   table.columns.resize(1);
   ColumnSpec& column = table.columns.front();
   column.metric = "trace_rate";
-  column.method.clear();
+  column.methods.clear();
   column.published.clear();
   column.tracer = own_tracer;
   column.unit = "rays/s";
@@ -188,10 +188,10 @@ TEST_F(TableTest, ATracedValueIsFoundByTracerAndWorkload) {
   traced.tables.front().columns.resize(1);
   column.metric = "trace_rate";
   column.published.clear();
-  column.method = "insertion";
+  column.methods = {"insertion"};
   column.tracer = "scalar";
   column.workload = "primary";
-  column.relative_to = "embree";
+  column.relative_to = {"embree"};
   traced.pipelines[1].tracers = {"scalar"};
   CellResult own = test_result("sibenik-ogre", "insertion", 0, {});
   own.tracer = "scalar";
@@ -210,6 +210,94 @@ TEST_F(TableTest, ATracedValueIsFoundByTracerAndWorkload) {
   const ReportTable without = build_tables(traced, ResultSet(results), nullptr).front();
   EXPECT_EQ(cell(without, 0, 0).absence, "none") << "the study does not trace this method with this tracer";
   EXPECT_EQ(cell(without, 0, 0).reason, "");
+}
+
+TEST_F(TableTest, TheBestOfSeveralMethodsOverTheBestOfOthers) {
+  plan.tables.front().columns.resize(1);
+  ColumnSpec& column = plan.tables.front().columns.front();
+  column.metric = "total_time";
+  column.published.clear();
+  column.methods = {"sah", "insertion"};
+  column.relative_to = {"insertion", "sah"};
+  const auto first = [this] { return cell(build(), 0, 0); };
+  EXPECT_DOUBLE_EQ(first().ours->value, 1) << "of times the least is the best";
+  EXPECT_EQ(first().reason, "sah / sah");
+  column.higher_is_better = true;
+  EXPECT_EQ(first().reason, "insertion / insertion") << "of rates the greatest is";
+  column.relative_to = {"sah"};
+  EXPECT_DOUBLE_EQ(first().ours->value, 0.41 / 0.052);
+  EXPECT_DOUBLE_EQ(first().ours->interval->low, 0.4 / 0.06);
+  EXPECT_DOUBLE_EQ(first().ours->interval->high, 0.45 / 0.05);
+  EXPECT_EQ(first().reason, "insertion / sah");
+  EXPECT_EQ(cell(build(), 3, 0).reason, "sah / sah; without insertion (failed)");
+  EXPECT_EQ(cell(build(), 1, 0).absence, "not run");
+  column.relative_to.clear();
+  column.unit = "s";
+  EXPECT_EQ(first().ours->value, 0.41);
+  EXPECT_EQ(first().reason, "insertion");
+}
+
+TEST_F(TableTest, ATargetIsReachedOrMissedByTheMedian) {
+  plan.tables.front().columns.resize(1);
+  ColumnSpec& column = plan.tables.front().columns.front();
+  column.metric = "total_time";
+  column.published.clear();
+  column.methods = {"insertion"};
+  column.relative_to = {"sah"};
+  const auto judged = [&](const char* target) {
+    column.targets = {{"sibenik-ogre", *parse_target(target)}};
+    return cell(build(), 0, 0);
+  };
+  EXPECT_EQ(judged(">= 4").verdict, Verdict::reached);
+  EXPECT_EQ(judged(">= 4").reason, "");
+  EXPECT_EQ(judged("<= 4").verdict, Verdict::missed);
+  EXPECT_EQ(judged(">= 7.5").verdict, Verdict::reached);
+  EXPECT_EQ(judged(">= 7.5").reason, "the interval reaches across the target");
+  EXPECT_EQ(judged(">= 8").verdict, Verdict::missed);
+  EXPECT_EQ(judged(">= 8").reason, "the interval reaches across the target");
+  EXPECT_EQ(cell(build(), 2, 0).verdict, Verdict::none) << "no target for this scene";
+  column.targets = {{"atrium", *parse_target("> 1")}};
+  EXPECT_EQ(cell(build(), 3, 0).verdict, Verdict::none) << "no value";
+  EXPECT_EQ(cell(build(), 3, 0).target->text(), "> 1");
+}
+
+TEST_F(TableTest, OneNumberOfASeriesOverTime) {
+  plan.tables.front().columns.resize(1);
+  ColumnSpec& column = plan.tables.front().columns.front();
+  column.metric = "cost_over_time";
+  column.published.clear();
+  column.methods = {"insertion"};
+  result("sibenik-ogre", "insertion").series["cost_over_time"] = {"seconds", "s", "1", {0, 0.1, 0.2, 0.3}, {80, 75, 72, 71}};
+  result("sibenik-ogre", "sah").series["cost_over_time"] = {"seconds", "s", "1", {0, 0.5, 1}, {80, 73, 72.5}};
+  const auto at = [&](double seconds) {
+    column.at = {{"sibenik-ogre", seconds}};
+    return cell(build(), 0, 0).ours->value;
+  };
+  EXPECT_EQ(at(0), 80);
+  EXPECT_EQ(at(0.1), 75);
+  EXPECT_EQ(at(0.25), 72);
+  EXPECT_EQ(at(9), 71);
+  EXPECT_EQ(cell(build(), 0, 0).value_class, ValueClass::absolute);
+  EXPECT_EQ(cell(build(), 2, 0).absence, "none") << "asked for one scene only";
+  column.at = {{"conference", 1}};
+  EXPECT_EQ(cell(build(), 2, 0).reason, "this method has no 'cost_over_time'");
+  column.at.clear();
+  column.until = "sah";
+  column.unit = "ms";
+  EXPECT_EQ(cell(build(), 0, 0).ours->value, 200);
+  column.relative_to = {"sah"};
+  column.unit = "";
+  EXPECT_EQ(cell(build(), 0, 0).ours->value, 0.2);
+  EXPECT_EQ(cell(build(), 0, 0).value_class, ValueClass::ratio);
+  column.relative_to.clear();
+  column.methods = {"sah"};
+  column.until = "insertion";
+  EXPECT_EQ(cell(build(), 0, 0).absence, "not reached");
+  EXPECT_EQ(cell(build(), 0, 0).reason, "the 71 that insertion ends with; sah ends with 72.5");
+  column.methods = {"insertion"};
+  column.until = "sah";
+  result("sibenik-ogre", "sah").series.clear();
+  EXPECT_EQ(cell(build(), 0, 0).reason, "sah has no 'cost_over_time' to come down to");
 }
 
 TEST_F(TableTest, AFormulaIsOverTheColumnsBeforeIt) {
@@ -239,7 +327,7 @@ TEST_F(TableTest, TablesOfMethodsComeOncePerScene) {
   plan.tables.front().rows = "method";
   plan.tables.front().columns.resize(1);
   plan.tables.front().columns.front().published.clear();
-  plan.tables.front().columns.front().method.clear();
+  plan.tables.front().columns.front().methods.clear();
   const std::vector<ReportTable> tables = build_tables(plan, ResultSet(results), nullptr);
   ASSERT_EQ(tables.size(), 4U);
   EXPECT_EQ(tables[2].name, "table1/conference");

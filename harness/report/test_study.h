@@ -40,8 +40,8 @@ inline Plan test_plan() {
     c.name = name;
     c.label = label;
     c.metric = metric;
-    c.method = method;
-    c.relative_to = base;
+    c.methods = {method};
+    if (*base != '\0') c.relative_to = {base};
     c.published = published;
     c.decimals = decimals;
     c.unit = std::string(base).empty() && std::string(metric) == "total_time" ? "s" : "";

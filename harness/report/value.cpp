@@ -1,11 +1,13 @@
 #include "harness/report/value.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "harness/spec/formula.h"
@@ -17,7 +19,7 @@ namespace {
 /// The samples of one side of a value, or why there are none.
 struct Found {
   const CellResult* cell = nullptr;
-  const Measurement* measurement = nullptr;
+  std::optional<Measurement> measurement;
   std::string absence;
   std::string reason;
 };
@@ -53,7 +55,44 @@ const CellResult* with_its_only_tracer(const ResultSet& results, const ValuePlac
   return only;
 }
 
-Found find_samples(const std::string& metric, const ValuePlace& place, const ResultSet& results, bool is_baseline) {
+const Series* series_of(const CellResult& cell, const std::string& name) {
+  const auto found = cell.series.find(name);
+  return found == cell.series.end() || found->second.x.empty() ? nullptr : &found->second;
+}
+
+/// What the series is at `x`: its last sample up to there.
+Measurement read_at(const Series& series, double x) {
+  const auto after = std::upper_bound(series.x.begin(), series.x.end(), x) - series.x.begin();
+  return {ValueClass::absolute, series.unit, {series.y[static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - 1, 0))]}};
+}
+
+/// One number of a series: at a place on its axis, or the place where it is first as low as another method's ends.
+void read_series(Found& found, const ColumnSpec& column, const ValuePlace& place, const ResultSet& results) {
+  const Series* series = series_of(*found.cell, column.metric);
+  if (series == nullptr) return;
+  if (!column.at.empty()) {
+    found.measurement = read_at(*series, column.at.at(place.scene));
+    return;
+  }
+  const CellResult* goal_cell = results.find(place.scene, column.until);
+  const Series* goal = goal_cell == nullptr ? nullptr : series_of(*goal_cell, column.metric);
+  if (goal == nullptr) {
+    found.absence = "none";
+    found.reason = fmt::format("{} has no '{}' to come down to", column.until, column.metric);
+    return;
+  }
+  const auto reached = std::find_if(series->y.begin(), series->y.end(), [&](double y) { return y <= goal->y.back(); });
+  if (reached == series->y.end()) {
+    found.absence = "not reached";
+    found.reason = fmt::format("the {:.4g} that {} ends with; {} ends with {:.4g}", goal->y.back(), column.until, place.method,
+                               series->y.back());
+    return;
+  }
+  const double x = series->x[static_cast<std::size_t>(reached - series->y.begin())];
+  found.measurement = Measurement{ValueClass::absolute, series->x_unit, {x}};
+}
+
+Found find_samples(const ColumnSpec& column, const ValuePlace& place, const ResultSet& results, bool is_baseline) {
   Found found;
   if (place.tracer != own_tracer) found.cell = results.find(place.scene, place.method, place.tracer, place.workload);
   if (found.cell == nullptr && (is_baseline || place.tracer == own_tracer) && !place.workload.empty()) {
@@ -73,14 +112,38 @@ Found find_samples(const std::string& metric, const ValuePlace& place, const Res
     explain(found, *found.cell, place);
     return found;
   }
-  const auto value = found.cell->values.find(metric);
-  if (value == found.cell->values.end() || value->second.samples.empty()) {
-    found.absence = "none";
-    found.reason = fmt::format("this method has no '{}'", metric);  // without the place: one note serves all such rows
-    return found;
+  if (!column.at.empty() || !column.until.empty()) {
+    read_series(found, column, place, results);
+  } else if (const auto value = found.cell->values.find(column.metric);
+             value != found.cell->values.end() && !value->second.samples.empty()) {
+    found.measurement = value->second;
   }
-  found.measurement = &value->second;
+  if (!found.measurement && found.absence.empty()) {
+    found.absence = "none";
+    found.reason = fmt::format("this method has no '{}'", column.metric);  // without the place: one note serves all such rows
+  }
   return found;
+}
+
+/// The best of `methods` by its median, or why none has a value. A method of several that has none is named in the reason.
+Found find_best(const ColumnSpec& column, const std::vector<std::string>& methods, ValuePlace place, const ResultSet& results,
+                bool is_baseline) {
+  Found best;
+  std::vector<std::string> without;
+  for (const std::string& method : methods) {
+    place.method = method;
+    Found found = find_samples(column, place, results, is_baseline);
+    if (!found.measurement && methods.size() > 1) without.push_back(fmt::format("{} ({})", method, found.absence));
+    const auto is_better = [&] {
+      const double own = found.measurement->median();
+      const double other = best.measurement->median();
+      return column.higher_is_better ? own > other : own < other;
+    };
+    const bool first = best.absence.empty() && !best.measurement;
+    if (first || (found.measurement && (!best.measurement || is_better()))) best = std::move(found);
+  }
+  if (best.measurement && !without.empty()) best.reason = fmt::format("without {}", fmt::join(without, ", "));
+  return best;
 }
 
 double factor_to(const ColumnSpec& column, std::string_view from, std::string_view to) {
@@ -148,7 +211,7 @@ void refuse_what_is_not_finite(FoundValue& value, const std::string& reason) {
 }  // namespace
 
 std::string machine_difference(const CellResult& a, const CellResult& b) {
-  static const std::array<std::string, 7> keys{"cpu", "microcode", "kernel", "threads", "compiler", "flags", "commit"};
+  static const std::array<std::string, 6> keys{"cpu", "microcode", "kernel", "compiler", "flags", "commit"};
   for (const std::string& key : keys) {
     const std::string of_a = provenance_of(a, key);
     const std::string of_b = provenance_of(b, key);
@@ -158,19 +221,20 @@ std::string machine_difference(const CellResult& a, const CellResult& b) {
 }
 
 FoundValue find_value(const ColumnSpec& column, const ValuePlace& place, std::string_view unit, const ResultSet& results) {
-  const Found own = find_samples(column.metric, place, results, false);
-  if (own.measurement == nullptr) return absent(own.absence, own.reason);
+  if (!column.at.empty() && !column.at.contains(place.scene)) return absent("none", "");
+  const std::vector<std::string> methods = column.methods.empty() ? std::vector{place.method} : column.methods;
+  const Found own = find_best(column, methods, place, results, false);
+  if (!own.measurement) return absent(own.absence, own.reason);
   FoundValue value;
   value.value_class = own.measurement->value_class;
   if (value.value_class != ValueClass::exact) value.timed_results.push_back(own.cell);
   if (column.relative_to.empty()) {
     value.value = sampled(own, column.metric, factor_to(column, own.measurement->unit, unit));
+    value.reason = joined(methods.size() > 1 ? own.cell->method : "", own.reason);
     return value;
   }
-  ValuePlace base_place = place;
-  base_place.method = column.relative_to;
-  const Found base = find_samples(column.metric, base_place, results, true);
-  if (base.measurement == nullptr) return absent(base.absence, base.reason);
+  const Found base = find_best(column, column.relative_to, place, results, true);
+  if (!base.measurement) return absent(base.absence, base.reason);
   if (base.measurement->value_class != ValueClass::exact) value.timed_results.push_back(base.cell);
   if (!value.timed_results.empty()) value.value_class = ValueClass::ratio;
   if (!share_a_machine(value)) return value;
@@ -179,7 +243,11 @@ FoundValue find_value(const ColumnSpec& column, const ValuePlace& place, std::st
   const Bootstrapped denominator = sampled(base, column.metric, 1);
   const std::array<const Bootstrapped*, 2> inputs{&numerator, &denominator};
   value.value = Bootstrapped::combined(inputs, [factor](std::span<const double> x) { return x[0] / x[1] * factor; });
-  refuse_what_is_not_finite(value, fmt::format("'{}' of '{}' is 0", column.metric, column.relative_to));
+  if (methods.size() > 1 || column.relative_to.size() > 1) {
+    value.reason = joined(fmt::format("{} / {}", own.cell->method, base.cell->method), value.reason);
+  }
+  value.reason = joined(joined(value.reason, own.reason), base.reason);
+  refuse_what_is_not_finite(value, fmt::format("'{}' of '{}' is 0", column.metric, base.cell->method));
   return value;
 }
 

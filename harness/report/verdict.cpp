@@ -20,12 +20,12 @@ Order compare(double published, const Estimate& ours, const Peer& peer) {
   return (above ? ours.value > peer.ours.value : ours.value < peer.ours.value) ? Order::unsettled : Order::turned;
 }
 
+}  // namespace
+
 std::string joined(const std::string& first, const std::string& second) {
   if (first.empty() || second.empty()) return first + second;
   return first + "; " + second;
 }
-
-}  // namespace
 
 std::string_view verdict_name(Verdict verdict) {
   switch (verdict) {
@@ -33,6 +33,8 @@ std::string_view verdict_name(Verdict verdict) {
     case Verdict::trend: return "trend";
     case Verdict::differs: return "differs";
     case Verdict::not_comparable: return "not comparable";
+    case Verdict::reached: return "reached";
+    case Verdict::missed: return "missed";
     case Verdict::none: break;
   }
   return "";
@@ -66,6 +68,13 @@ Judgement judge(const PublishedColumn& column, const PublishedScene* scene, doub
   if (any(Order::turned)) return {Verdict::differs, joined(why, "the order of the methods or the sign of the change is another")};
   if (any(Order::unsettled)) return {Verdict::differs, joined(why, "the noise leaves the order or the sign of the change open")};
   return {Verdict::trend, why};
+}
+
+Judgement judge(const Target& target, const Estimate& ours) {
+  const Verdict verdict = target.is_met_by(ours.value) ? Verdict::reached : Verdict::missed;
+  const Estimate::Interval interval = bounds(ours);
+  const bool is_settled = target.is_met_by(interval.low) == target.is_met_by(interval.high);
+  return {verdict, is_settled ? "" : "the interval reaches across the target"};
 }
 
 }  // namespace raystudy

@@ -6,13 +6,15 @@
 
 #include "harness/report/published.h"
 #include "harness/report/statistics.h"
+#include "harness/spec/target.h"
 
 namespace raystudy {
 
 /// How our number stands to the published one. match: within the tolerance stated with the published value. trend: not that, but
 /// the order of the methods and the sign of each change are the published ones. differs: neither. not_comparable: what was
-/// measured is not the same thing (scene variant, hardware). none: nothing is published, or we have no number.
-enum class Verdict : unsigned char { none, match, trend, differs, not_comparable };
+/// measured is not the same thing (scene variant, hardware). reached, missed: of a target, by the median. none: nothing is
+/// published and there is no target, or we have no number.
+enum class Verdict : unsigned char { none, match, trend, differs, not_comparable, reached, missed };
 [[nodiscard]] std::string_view verdict_name(Verdict verdict);
 
 /// Another method's pair of numbers of the same quantity on the same scene, which the order is judged against.
@@ -35,5 +37,11 @@ struct Judgement {
 /// 4. Else `differs`; but where only the direction is compared and there is no peer, not comparable.
 [[nodiscard]] Judgement judge(const PublishedColumn& column, const PublishedScene* scene, double published, const Estimate& ours,
                               const std::vector<Peer>& peers);
+
+/// Whether the median meets the target, in the unit shown; the reason says where the interval leaves that open.
+[[nodiscard]] Judgement judge(const Target& target, const Estimate& ours);
+
+/// "first; second"; one alone where the other is empty.
+[[nodiscard]] std::string joined(const std::string& first, const std::string& second);
 
 }  // namespace raystudy

@@ -90,6 +90,15 @@ TEST_F(RunTest, EveryResultSaysWhereItComesFrom) {
   EXPECT_EQ(provenance.at("scene_hash").size(), 32U);
 }
 
+TEST_F(RunTest, EachMethodHasItsOwnThreads) {
+  Plan plan = test_plan({"threads: 1, 1", "threads: 2, 2", "threads: 3, 3"});
+  plan.pipelines[1].threads = 2;
+  plan.pipelines[2].threads = 3;
+  EXPECT_EQ(run_plan(plan, options).done, 3U) << log();
+  EXPECT_EQ(result_of(plan, 0).provenance.at("threads"), "1");
+  EXPECT_EQ(result_of(plan, 2).provenance.at("threads"), "3");
+}
+
 TEST_F(RunTest, AFailureIsARowWithItsCauseAndTheOthersGoOn) {
   Plan plan = test_plan({"crash", "abort", "throw", "wrong tree", "exits", "good"});
   const RunSummary summary = run_plan(plan, options);

@@ -1,7 +1,9 @@
 // Methods that behave badly in every way a plugin can, registered in this folder's test executable only.
 #include "harness/run/test_methods.h"
 
+#include <fmt/format.h>
 #include <sys/wait.h>
+#include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -64,7 +66,7 @@ class TestBuilder : public Builder {
             .params = {text_param("behaviour", "good", "what it does")},
             .accel = "bvh2"};
   }
-  [[nodiscard]] std::unique_ptr<Accel> build(const Scene& scene, const BuildContext&) const override {
+  [[nodiscard]] std::unique_ptr<Accel> build(const Scene& scene, const BuildContext& context) const override {
     static std::map<std::string, int> calls;
     const int call = ++calls[behaviour_];
     if (behaviour_ == "crash") crash();
@@ -72,6 +74,10 @@ class TestBuilder : public Builder {
     if (behaviour_ == "abort") std::abort();
     if (behaviour_ == "exits") _exit(7);
     if (behaviour_ == "throw") throw Error(Diagnostic{{}, "no such luck", "more of it", {}});
+    const std::size_t allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    if (behaviour_.starts_with("threads: ") && behaviour_ != fmt::format("threads: {}, {}", context.threads, allowed)) {
+      throw Error(fmt::format("{} threads, and {} allowed", context.threads, allowed));
+    }
     if (behaviour_ == "throw later" && call == 2) throw Error("no luck the second time");
     if (behaviour_ == "sleep") std::this_thread::sleep_for(std::chrono::hours(1));
     if (behaviour_ == "take 100 ms") std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -1,7 +1,6 @@
 #include "harness/run/worker.h"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +19,7 @@
 #include "harness/base/progress.h"
 #include "harness/method/registry.h"
 #include "harness/run/memory.h"
+#include "harness/run/thread_limit.h"
 #include "harness/run/worker_steps.h"
 #include "harness/scene/open.h"
 
@@ -151,13 +151,20 @@ std::vector<std::unique_ptr<PipelineWork>> Worker::pipelines() const {
   return list;
 }
 
+BuildContext Worker::context_of(const PipelineWork& work) const {
+  BuildContext context = context_;
+  context.threads = plan_.pipelines[work.index].threads;
+  return context;
+}
+
 /// The build whose tree is measured and traced; the timed ones come later.
 void Worker::build(PipelineWork& work) {
   work.pipeline = std::make_unique<Pipeline>(plan_.pipelines[work.index]);
   std::vector<CostSample> trace;
-  BuildContext context = context_;
+  BuildContext context = context_of(work);
   context.cost_trace = &trace;
   StageTimes times;
+  const ThreadLimit limit(context.threads);
   const PeakMemory peak;
   work.accel =
       work.pipeline->run(*scene_, context, times, [&](std::string_view stage) { announce(Scope::pipeline, work.index, stage); });
@@ -210,7 +217,9 @@ void Worker::check_trace(PipelineWork& work, std::size_t cell) {
   const std::size_t count = rays.batch.rays.size();
   const bool right = guarded(Spent::checks, Scope::cell, cell, "tracing", [&] {
     trace->tracer = Registry::instance().create<Tracer>(plan_.tracers[*plan_.cells[cell].tracer].tracer);
-    trace->session = trace->tracer->prepare(*work.accel, *scene_, plan_.threads, rays.batch.coherent);
+    const int threads = plan_.pipelines[work.index].threads;
+    const ThreadLimit limit(threads);
+    trace->session = trace->tracer->prepare(*work.accel, *scene_, threads, rays.batch.coherent);
     std::vector<Hit> hits(count);
     trace->session->trace(rays.batch.rays, hits, rays.batch.query);
     announce(Scope::cell, cell, "checking hits");
@@ -247,8 +256,9 @@ void Worker::run() {
   if (!guarded(Spent::set_up, Scope::scene, scene, "opening the scene", [this] { open_the_scene(); })) return;
   sender_.send(SceneOpened{scene_->hash});
   // Loading and checking may use the whole machine, the methods only what the experiment gives them.
-  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(std::max(1, plan_.threads)));
+  int most_threads = plan_.threads;
+  for (const PipelineSpec& pipeline : plan_.pipelines) most_threads = std::max(most_threads, pipeline.threads);
+  const ThreadLimit limit(most_threads);
   make_rays();
   // Structures that are traced stay in memory until all of their group are timed. A group takes at most half the free memory.
   const double budget = available_memory() / 2;

@@ -78,6 +78,7 @@ class Worker {
   TimedWork timed_build(PipelineWork& work);
   TimedWork timed_trace(const PipelineWork& work, TraceWork& trace);
   [[nodiscard]] std::vector<std::unique_ptr<PipelineWork>> pipelines() const;
+  [[nodiscard]] BuildContext context_of(const PipelineWork& work) const;
 
   const Plan& plan_;
   std::vector<std::size_t> cells_;
@@ -85,7 +86,7 @@ class Worker {
   Board& board_;
   const MessageSender& sender_;
   std::optional<Scene> scene_;
-  BuildContext context_;
+  BuildContext context_;  ///< with the experiment's threads
   std::unique_ptr<ReferenceTracer> reference_;
   std::unique_ptr<Oracle> oracle_;
   std::map<std::size_t, Rays> rays_;  ///< by workload

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "harness/run/memory.h"
+#include "harness/run/thread_limit.h"
 #include "harness/run/worker_steps.h"
 
 namespace raystudy {
@@ -27,9 +28,11 @@ TimedWork Worker::timed_build(PipelineWork& work) {
   timed_work.name = plan_.pipelines[work.index].label + "/build";
   timed_work.run_once = [this, cell, &work] {
     const MemoryLimit limit(plan_.memory_limit_bytes);
+    const BuildContext context = context_of(work);
+    const ThreadLimit threads(context.threads);
     StageTimes times;
-    std::unique_ptr<Accel> accel = work.pipeline->run(
-        *scene_, context_, times, [this, cell](std::string_view stage) { announce(Scope::cell, cell, stage); });
+    std::unique_ptr<Accel> accel =
+        work.pipeline->run(*scene_, context, times, [this, cell](std::string_view stage) { announce(Scope::cell, cell, stage); });
     board_.add_time(Spent::measured, times.total());
     const double built = Board::now_seconds();
     accel.reset();
@@ -63,9 +66,10 @@ TimedWork Worker::timed_trace(const PipelineWork& work, TraceWork& trace) {
   TimedWork timed_work;
   timed_work.name = fmt::format("{}/{}/{}", plan_.pipelines[work.index].label, plan_.tracers[*cell.tracer].label,
                                 plan_.workloads[*cell.workload].label);
-  timed_work.run_once = [this, &trace] {
+  timed_work.run_once = [this, &trace, threads = plan_.pipelines[work.index].threads] {
     announce(Scope::cell, trace.cell, "tracing");
     const MemoryLimit limit(plan_.memory_limit_bytes);
+    const ThreadLimit thread_limit(threads);
     const RayBatch& batch = trace.rays->batch;
     const std::span<Hit> hits(hits_.data(), batch.rays.size());
     const double start = Board::now_seconds();

@@ -80,7 +80,8 @@ std::string cell_identity(const Plan& plan, const Cell& cell) {
     for (const MethodRef& metric : plan.metrics) identity.add(Role::metric, metric);
   }
   identity.add("seed", fmt::format("{}", plan.seed));
-  identity.add("threads", fmt::format("{}", plan.threads));
+  identity.add("threads", fmt::format("{}", pipeline.threads));
+  // The rays are found with the experiment's threads, which changes none of them.
   identity.add("repetitions", fmt::format("{}", plan.repetitions));
   identity.add("warm_up", fmt::format("{} s", plan.warm_up_seconds));
   identity.add("code", std::string(code_hash()));

@@ -114,6 +114,19 @@ TEST(CellId, IsTheSameForTheSameAndAnotherForWhateverCanChangeANumber) {
   EXPECT_EQ(cell_id(read(study + "metrics: []\n"), plan.cells[1]), traced);
 }
 
+TEST(CellId, ThreadsAreAMethodsOwn) {
+  const auto of = [](const std::string& threads, const std::string& method) {
+    const Plan plan =
+        parse_plan(threads + "scenes: [conference]\nmethods: {a: {builder: test-builder" + method + "}, b: {from: a}}\n",
+                   "x.yaml", Scale::quick);
+    return std::pair{cell_id(plan, plan.cells[0]), cell_id(plan, plan.cells[1])};
+  };
+  const auto one = of("", "");
+  EXPECT_EQ(of("threads: 2\n", ", threads: 1"), one);
+  EXPECT_EQ(of("threads: 2\n", ""), of("", ", threads: 2")) << "'from' takes them over";
+  EXPECT_NE(of("", ", threads: 2").first, one.first);
+}
+
 TEST(CellId, IdentitySaysInWordsWhatItDependsOn) {
   const Plan plan = read();
   const std::string text = cell_identity(plan, plan.cells.back());

@@ -9,6 +9,7 @@
 
 #include "harness/base/error.h"
 #include "harness/method/params.h"
+#include "harness/spec/target.h"
 
 namespace raystudy {
 
@@ -35,6 +36,7 @@ struct PipelineSpec {
   std::vector<MethodRef> optimizers;
   std::optional<MethodRef> encoder;
   std::vector<std::string> tracers;  ///< labels of the tracers used with it; all that accept its accel where YAML names none
+  int threads = 1;                   ///< that its stages and tracers may use; the experiment's where YAML names none
   SourceLocation where;
 };
 
@@ -66,30 +68,35 @@ struct Cell {
   std::optional<std::size_t> workload;  ///< index into Plan::workloads
 };
 
-/// In place of a tracer's label in a table whose rows are methods: each method's own tracer, where it has just one.
+/// In place of a tracer's label: each method's own tracer, where it has just one.
 inline constexpr const char* own_tracer = "own";
 
-/// A column of a table: a quantity (quantity.h) of one method, with tracer and workload for a traced one, or a formula over
-/// other columns of the table.
+/// A column of a table: a quantity (quantity.h) of one method, or of the best of several, with tracer and workload for a traced
+/// one, or a formula over other columns of the table.
 struct ColumnSpec {
-  std::string name;      ///< key, used by formulas and in the long CSV; unique in a table
-  std::string label;     ///< heading
-  std::string metric;    ///< a Quantity's name, e.g. cost, total_time, trace_rate; empty for a formula
-  std::string formula;   ///< e.g. "100 * cost_insertion / cost_sah", over columns before this one (formula.h); empty for a metric
-  std::string method;    ///< PipelineSpec::label; empty where the rows are methods
-  std::string tracer;    ///< TracerSpec::label or own_tracer, of a traced metric; else empty
-  std::string workload;  ///< WorkloadSpec::label, of a traced metric; else empty
-  std::string relative_to;  ///< a PipelineSpec::label whose value of the same metric divides this one
-  std::string unit;  ///< shown unit, the metric's own where YAML names none; empty for a pure number. "%" multiplies by 100
+  std::string name;     ///< key, used by formulas and in the long CSV; unique in a table
+  std::string label;    ///< heading
+  std::string metric;   ///< a Quantity's name, e.g. cost, total_time, trace_rate; empty for a formula
+  std::string formula;  ///< e.g. "100 * cost_insertion / cost_sah", over columns before this one (formula.h); empty for a metric
+  bool higher_is_better = false;         ///< of the metric: which one of several is the best
+  std::vector<std::string> methods;      ///< PipelineSpec::labels, the best of which is shown; empty where the rows are methods
+  std::string tracer;                    ///< TracerSpec::label or own_tracer, of a traced metric; else empty
+  std::string workload;                  ///< WorkloadSpec::label, of a traced metric; else empty
+  std::vector<std::string> relative_to;  ///< PipelineSpec::labels; the best of their values of the same metric divides this one
+  std::map<std::string, double> at;      ///< by SceneSpec::label: where on its axis a series is read, in the axis' unit
+  std::string until;  ///< a PipelineSpec::label: the value is where the series is first as low as that method's ends
+  std::string unit;   ///< shown unit, the metric's own where YAML names none; empty for a pure number. "%" multiplies by 100
   int decimals = 2;
-  std::string published;  ///< key into the paper's published table, e.g. "table1.cost"
+  std::string published;                  ///< key into the paper's published table, e.g. "table1.cost"
+  std::map<std::string, Target> targets;  ///< by SceneSpec::label, in the shown unit; empty: there is nothing to reach
   SourceLocation where;
 };
 
 struct TableSpec {
   std::string name;
   std::string caption;
-  std::string rows;                     ///< "scene" or "method"
+  std::string rows;                     ///< "scene" or "method": what the values of one row belong to
+  bool transposed = false;              ///< shown with a line for each of `columns`, rows side by side
   std::vector<std::string> row_filter;  ///< labels in the order shown; empty: all
   std::string scene;                    ///< where the rows are methods: the scene; empty: the table once for each scene
   std::vector<ColumnSpec> columns;
@@ -119,7 +126,7 @@ struct Plan {
   std::string paper;  ///< results/published/<paper>.yaml; empty where nothing is published
   Scale scale = Scale::quick;
   std::uint64_t seed = 1;
-  int threads = 1;
+  int threads = 1;  ///< of the workloads, and of every pipeline that names none
   int repetitions = 3;
   double warm_up_seconds = 0;
   double timeout_seconds = 0;     ///< a cell; 0: none

@@ -41,7 +41,7 @@ const std::vector<Quantity>& harness_quantities() {
       {"cost_over_time", "1", "cost of the tree while it is optimized, from the end of the builder", false, "seconds"},
       {"cpu_time", "s", "processor time of all stages, over all threads"},
       {"trace_time", "s", "time to trace the whole workload", true},
-      {"trace_rate", "rays/s", "rays traced in a second", true},
+      {"trace_rate", "rays/s", "rays traced in a second", true, {}, true},
       {"steps_per_ray", "1", "traversal steps a ray, inner nodes and leaves", true},
       {"inner_nodes_per_ray", "1", "inner nodes visited a ray", true},
       {"leaves_per_ray", "1", "leaves visited a ray", true},
@@ -50,6 +50,7 @@ const std::vector<Quantity>& harness_quantities() {
       {"hit_share", "1", "share of the rays that hit something", true},
       {"leaks", "1", "rays that slipped between triangles, of a tracer that is not watertight", true},
       {"ray_count", "1", "rays of the workload", true},
+      {break_even_quantity, "rays", "numbers of rays for which a method is the fastest of its table, building included", true},
   };
   return all;
 }

@@ -14,7 +14,11 @@ struct Quantity {
   std::string summary;  ///< one line
   bool traced = false;  ///< belongs to a cell with tracer and workload; else to the build
   std::string axis{};   ///< what a series runs over, e.g. "depth"; empty for a single number
+  bool higher_is_better = false;
 };
+
+/// The quantity that is not measured but follows from a table's methods together: for how many rays each is the fastest.
+inline constexpr const char* break_even_quantity = "break_even";
 
 /// What the harness itself measures: stage times, peak memory, rays a second, the cost while optimizing.
 [[nodiscard]] const std::vector<Quantity>& harness_quantities();

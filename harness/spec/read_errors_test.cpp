@@ -135,10 +135,10 @@ TEST(ReadErrors, MethodNames) {
       errors(with_builder("{test-builder: {}, test-foreign: {}}")),
       "x.yaml:2:24: the builder is a map of 2 keys; expected NAME or {NAME: {parameter: value}}, with the name of a builder");
   EXPECT_EQ(errors(with_builder("[]")), "x.yaml:2:24: 'builder' sweeps over an empty list; expected at least one builder");
-  EXPECT_EQ(
-      errors(with_methods("{a: {builder: test-builder, optimise: test-optimizer}}")),
-      "x.yaml:2:38: method 'a' has no key 'optimise'; expected one of from, builder, optimize, encode, tracers; did you mean "
-      "'optimize'?");
+  EXPECT_EQ(errors(with_methods("{a: {builder: test-builder, optimise: test-optimizer}}")),
+            "x.yaml:2:38: method 'a' has no key 'optimise'; expected one of from, builder, optimize, encode, tracers, threads; "
+            "did you mean "
+            "'optimize'?");
   EXPECT_EQ(errors(with_methods("{a/b: test-builder}")),
             "x.yaml:2:11: the name 'a/b' cannot be used; expected at least one letter, and none of / [ ] ,");
 }

@@ -20,6 +20,7 @@ struct Draft {
   std::vector<std::vector<MethodChoice>> optimizers;
   std::vector<MethodChoice> encoder;  ///< empty: none
   std::optional<std::vector<YamlEntry>> tracers;
+  int threads = 1;
   bool good = true;
 };
 
@@ -52,6 +53,7 @@ class PipelineReader {
   Draft read_draft(const YamlEntry& entry) {
     const YamlNode& written = reading_.at_scale(*entry.value);
     Draft draft;
+    draft.threads = plan_.threads;
     if (written.is_scalar()) {  // `sah: sweep-sah`
       draft.builder = read_method(reading_, written, Role::builder, "builder");
       draft.good = !draft.builder.empty();
@@ -76,6 +78,7 @@ class PipelineReader {
       draft.good = draft.good && !draft.encoder.empty();
     }
     if (const YamlNode* tracers = fields.find("tracers")) draft.tracers = read_names(reading_, *tracers, "'tracers'");
+    draft.threads = static_cast<int>(std::get<std::int64_t>(fields.value(threads_param(draft.threads))));
     fields.finish();
     return draft;
   }
@@ -143,6 +146,7 @@ class PipelineReader {
     PipelineSpec pipeline;
     pipeline.base = entry.key;
     pipeline.where = entry.where;
+    pipeline.threads = draft.threads;
     std::vector<SweepValue> sweep;
     for (const MethodChoice* stage : stages) sweep.insert(sweep.end(), stage->sweep.begin(), stage->sweep.end());
     pipeline.label = sweep_label(entry.key, sweep);

@@ -18,7 +18,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-const std::vector<std::pair<std::string, double>> time_units{{"ms", 0.001}, {"s", 1}, {"min", 60}, {"h", 3600}};
 const std::vector<std::pair<std::string, double>> size_units{
     {"B", 1}, {"KiB", 1024}, {"MiB", 1048576}, {"GiB", 1073741824}, {"TiB", 1099511627776}};
 
@@ -26,10 +25,10 @@ void read_settings(Fields& fields, Plan& plan) {
   plan.title = fields.text("title", plan.name);
   plan.paper = fields.text("paper");
   plan.seed = static_cast<std::uint64_t>(std::get<std::int64_t>(fields.value(integer_param("seed", 1, "", 0, infinity))));
-  plan.threads = static_cast<int>(std::get<std::int64_t>(fields.value(integer_param("threads", 1, "", 1, 1024))));
+  plan.threads = static_cast<int>(std::get<std::int64_t>(fields.value(threads_param(1))));
   plan.repetitions = static_cast<int>(std::get<std::int64_t>(fields.value(integer_param("repetitions", 3, "", 1, 100000))));
-  plan.warm_up_seconds = fields.quantity("warm_up", 0, time_units, "0.1 s");
-  plan.timeout_seconds = fields.quantity("timeout", 0, time_units, "10 min");
+  plan.warm_up_seconds = fields.quantity("warm_up", 0, time_units(), "0.1 s");
+  plan.timeout_seconds = fields.quantity("timeout", 0, time_units(), "10 min");
   plan.memory_limit_bytes = fields.quantity("memory_limit", 0, size_units, "4 GiB");
 }
 

@@ -25,9 +25,12 @@ paper: insertion-bittner
 
 Plan read(const std::string& rest) { return parse_plan(study + rest, "x.yaml", Scale::quick); }
 
-std::string errors(const std::string& rest) {
+/// What is wrong with the study and `rest`, after each first text of `changes` has become the second.
+std::string errors(const std::string& rest, const std::vector<std::pair<std::string, std::string>>& changes = {}) {
+  std::string text = study + rest;
+  for (const auto& [from, to] : changes) text.replace(text.find(from), from.size(), to);
   try {
-    (void)read(rest);
+    (void)parse_plan(text, "x.yaml", Scale::quick);
   } catch (const Error& error) {
     return error.what();
   }
@@ -37,10 +40,137 @@ std::string errors(const std::string& rest) {
 /// A table on line 9 whose column `c` begins at letter 28.
 std::string column(const std::string& text) { return errors("tables: {t: {columns: {c: " + text + "}}}\n"); }
 
-TEST(ReadTables, AMethodsOwnTracerWhereRowsAreMethods) {
+TEST(ReadTables, AMethodsOwnTracer) {
   const Plan plan = read("tables: {t: {rows: method, columns: {c: {metric: trace_rate, tracer: own, workload: few}}}}\n");
   EXPECT_EQ(plan.tables[0].columns[0].tracer, own_tracer);
-  EXPECT_THAT(column("{metric: trace_rate, method: tree, tracer: own, workload: few}"), testing::HasSubstr("tracer 'own'"));
+  EXPECT_EQ(read("tables: {t: {tracer: own, columns: {c: {metric: trace_rate, method: tree, workload: few}}}}\n")
+                .tables[0]
+                .columns[0]
+                .tracer,
+            own_tracer);
+  EXPECT_THAT(errors("tables: {t: {columns: {c: {metric: trace_rate, method: untraced, tracer: own, workload: few}}}}\n",
+                     {{"  many:", "  untraced: {from: tree, tracers: []}\n  many:"}}),
+              "x.yaml:10:36: column 'c' asks for the own tracer of method 'untraced', which has none; expected a method that is "
+              "traced");
+  EXPECT_THAT(errors("tables: {t: {columns: {c: {metric: trace_rate, method: tree, tracer: own, workload: few}}}}\n",
+                     {{"{t: test-tracer,", "{t: test-tracer, u: test-tracer,"}}),
+              "x.yaml:9:36: column 'c' asks for the own tracer of method 'tree', which has several; expected one of t, u");
+}
+
+TEST(ReadTables, TheBestOfSeveralMethodsAndATarget) {
+  const Plan plan = read(R"(
+tables:
+  targets:
+    columns: scene
+    tracer: own
+    rows:
+      rate: {metric: trace_rate, workload: few, best_of: [tree, many], relative_to: [wide, "many[bins=2]"], target: ">= 1.15"}
+      time: {metric: total_time, best_of: many, unit: ms, target: {conference: "< 3"}}
+      cost: {metric: cost_over_time, method: tree, at: {sibenik-ogre: 29 ms}}
+      later: {metric: cost_over_time, method: tree, at: 2 s}
+      until: {metric: cost_over_time, method: tree, until: "many[bins=1]", unit: ms}
+      faster: {metric: cost_over_time, method: tree, until: "many[bins=1]", relative_to: "many[bins=1]"}
+)");
+  const TableSpec& table = plan.tables.at(0);
+  EXPECT_EQ(table.rows, "scene");
+  EXPECT_TRUE(table.transposed);
+  const ColumnSpec& rate = table.columns.at(0);
+  EXPECT_THAT(rate.methods, ElementsAre("tree", "many[bins=1]", "many[bins=2]"));
+  EXPECT_THAT(rate.relative_to, ElementsAre("wide", "many[bins=2]"));
+  EXPECT_EQ(rate.tracer, own_tracer);
+  EXPECT_TRUE(rate.higher_is_better);
+  EXPECT_EQ(rate.unit, "");
+  ASSERT_EQ(rate.targets.size(), 2U);
+  EXPECT_EQ(rate.targets.at("sibenik-ogre").text(), "≥ 1.15");
+  const ColumnSpec& time = table.columns.at(1);
+  EXPECT_THAT(time.methods, ElementsAre("many[bins=1]", "many[bins=2]"));
+  EXPECT_FALSE(time.higher_is_better);
+  ASSERT_EQ(time.targets.size(), 1U);
+  EXPECT_EQ(time.targets.at("conference").text(), "< 3");
+  EXPECT_EQ(table.columns.at(2).at, (std::map<std::string, double>{{"sibenik-ogre", 0.029}}));
+  EXPECT_EQ(table.columns.at(3).at, (std::map<std::string, double>{{"sibenik-ogre", 2}, {"conference", 2}}));
+  EXPECT_EQ(table.columns.at(4).until, "many[bins=1]");
+  EXPECT_EQ(table.columns.at(4).unit, "ms");
+  EXPECT_EQ(table.columns.at(5).unit, "");
+}
+
+TEST(ReadTables, TransposedTables) {
+  EXPECT_TRUE(read("tables: {t: {columns: method, rows: [triangles]}}\n").tables.at(0).transposed);
+  EXPECT_EQ(read("tables: {t: {columns: method, rows: [triangles]}}\n").tables.at(0).rows, "method");
+  EXPECT_EQ(errors("tables: {t: {columns: methods, rows: {c: {metric: triangles, method: tree}}}}\n"),
+            "x.yaml:9:23: 'columns' is the text 'methods'; expected one of scene, method; did you mean 'method'?");
+  EXPECT_EQ(errors("tables: {t: {columns: method, rows: []}}\n"), "x.yaml:9:37: 'rows' is empty; expected at least one row");
+  EXPECT_EQ(errors("tables: {t: {rows: {c: {metric: triangle, method: tree}}}}\n").substr(0, 62),
+            "x.yaml:9:33: there is no quantity 'triangle'; expected one of ");
+  EXPECT_EQ(errors("tables: {t: {columns: method, rows: {c: {metric: triangles, method: tree}}}}\n"),
+            "x.yaml:9:69: 'method' stands in a table whose columns are methods; expected a row without it");
+  EXPECT_EQ(errors("tables: {t: {rows: {a: {metric: triangles, method: tree}, b: {formula: c}}}}\n"),
+            "x.yaml:9:72: the formula of row 'b' asks for 'c', which is no row before it; expected one of a");
+}
+
+TEST(ReadTables, MistakesInListsOfMethods) {
+  EXPECT_EQ(column("{metric: triangles, best_of: []}"), "x.yaml:9:56: 'best_of' is empty; expected at least one method");
+  EXPECT_EQ(column("{metric: triangles, best_of: [tree, wid]}"),
+            "x.yaml:9:63: there is no method 'wid' in this experiment; expected one of tree, wide, many[bins=1], many[bins=2]; "
+            "did you mean 'wide'?");
+  EXPECT_EQ(column("{metric: triangles, best_of: {tree: wide}}"),
+            "x.yaml:9:56: 'best_of' is a map; expected a name or a list of names");
+  EXPECT_EQ(column("{metric: triangles, best_of: [[tree]]}"), "x.yaml:9:57: 'best_of' holds a list; expected a name");
+  EXPECT_EQ(column("{metric: triangles, method: tree, best_of: [wide]}"),
+            "x.yaml:9:70: column 'c' has both 'method' and 'best_of'; expected one of them");
+  EXPECT_EQ(column("{metric: triangles, method: tree, relative_to: []}"),
+            "x.yaml:9:74: 'relative_to' is empty; expected at least one method");
+  EXPECT_EQ(column("{metric: triangles, method: tree, relative_to: [wide, tre]}"),
+            "x.yaml:9:81: there is no method 'tre' in this experiment; expected one of tree, wide, many[bins=1], many[bins=2]; "
+            "did you mean 'tree'?");
+  EXPECT_EQ(column("{metric: trace_rate, best_of: [tree, wide], tracer: t, workload: few}"),
+            "x.yaml:9:36: column 'c' asks for tracer 't', which does not trace method 'wide'; expected one of w");
+}
+
+TEST(ReadTables, MistakesInTargets) {
+  const std::string expected = "expected a bound, such as '>= 1.15' or '< 77.3', or a map of scene to bound";
+  EXPECT_EQ(column("{metric: triangles, method: tree, target: 1.15}"), "x.yaml:9:69: 'target' is the number 1.15; " + expected);
+  EXPECT_EQ(column("{metric: triangles, method: tree, target: '=> 1'}"), "x.yaml:9:69: 'target' is the text '=> 1'; " + expected);
+  EXPECT_EQ(column("{metric: triangles, method: tree, target: [1]}"), "x.yaml:9:69: 'target' is a list; " + expected);
+  EXPECT_EQ(column("{metric: triangles, method: tree, target: {conferenc: '> 1'}}"),
+            "x.yaml:9:70: there is no scene 'conferenc' in this experiment; expected one of sibenik-ogre, conference; did you "
+            "mean 'conference'?");
+  EXPECT_EQ(column("{metric: triangles, method: tree, target: {conference: fast}}"),
+            "x.yaml:9:82: the target of 'conference' is the text 'fast'; " + expected);
+  EXPECT_EQ(column("{metric: triangles, method: tree, published: table1.cost, target: '> 1'}"),
+            "x.yaml:9:93: column 'c' has both 'published' and 'target'; expected one of them: a value has one verdict");
+}
+
+TEST(ReadTables, BreakEvenComparesTheMethodsOfATable) {
+  const auto of = [](const std::string& rest) { return errors("tables: {t: {tracer: own, workload: few, " + rest + "}}\n"); };
+  EXPECT_EQ(read("tables: {t: {rows: method, tracer: own, columns: {c: {metric: break_even, workload: few}}}}\n")
+                .tables[0]
+                .columns[0]
+                .unit,
+            "rays");
+  EXPECT_EQ(of("columns: {c: {metric: break_even, method: tree}}"),
+            "x.yaml:9:64: 'break_even' compares the methods of a table, and this one's rows are scenes; expected a table of "
+            "methods");
+  EXPECT_EQ(of("columns: method, rows: {c: {metric: break_even, relative_to: tree}}"),
+            "x.yaml:9:78: row 'c' shows ranges, which are not compared; expected a row without 'relative_to', 'target' and "
+            "'published'");
+}
+
+TEST(ReadTables, MistakesInPlacesOnASeries) {
+  EXPECT_EQ(column("{metric: cost_over_time, method: tree}"),
+            "x.yaml:9:36: 'cost_over_time' is a series over seconds; expected 'at' or 'until', which make one number of it; or a "
+            "figure, which can draw it");
+  EXPECT_EQ(column("{metric: total_time, method: tree, at: 1 s}"),
+            "x.yaml:9:36: column 'c' has 'at', and 'total_time' is one number; expected a series over time, such as "
+            "cost_over_time");
+  EXPECT_EQ(column("{metric: cost_over_time, method: tree, at: soon}"),
+            "x.yaml:9:70: 'at' is the text 'soon'; expected a number >= 0 and a unit (ms, s, min, h), such as '29 ms'");
+  EXPECT_EQ(column("{metric: cost_over_time, method: tree, at: {conference: 3}}"),
+            "x.yaml:9:83: 'conference' is the integer 3; expected a number >= 0 and a unit (ms, s, min, h), such as '29 ms'");
+  EXPECT_EQ(column("{metric: cost_over_time, method: tree, at: 1 s, until: tree}"),
+            "x.yaml:9:82: column 'c' has both 'at' and 'until'; expected one of them");
+  EXPECT_EQ(column("{metric: cost_over_time, method: tree, until: [tree]}"),
+            "x.yaml:9:73: 'method' is a list; expected the name of a method");
 }
 
 TEST(ReadTables, ColumnsCompletedFromTableAndPlan) {
@@ -69,8 +199,8 @@ tables:
   EXPECT_EQ(one.columns[0].decimals, 1);
   EXPECT_EQ(one.columns[0].published, "table1.cost");
   EXPECT_EQ(one.columns[0].tracer, "");
-  EXPECT_EQ(one.columns[1].method, "many[bins=2]");
-  EXPECT_EQ(one.columns[1].relative_to, "tree");
+  EXPECT_EQ(one.columns[1].methods.at(0), "many[bins=2]");
+  EXPECT_THAT(one.columns[1].relative_to, ElementsAre("tree"));
   EXPECT_EQ(one.columns[1].unit, "%");
   EXPECT_EQ(one.columns[2].tracer, "t");
   EXPECT_EQ(one.columns[2].workload, "few");
@@ -82,7 +212,7 @@ tables:
   EXPECT_THAT(two.row_filter, ElementsAre("tree", "many[bins=1]", "many[bins=2]"));
   EXPECT_EQ(two.columns[0].unit, "s");
   EXPECT_EQ(two.columns[0].label, "total_time");
-  EXPECT_EQ(two.columns[0].method, "");
+  EXPECT_THAT(two.columns[0].methods, IsEmpty());
 }
 
 TEST(ReadTables, Mistakes) {
@@ -99,7 +229,7 @@ TEST(ReadTables, Mistakes) {
   EXPECT_EQ(errors("tables: {t: {rows: method, columns: {a-b: triangles}}}\n"),
             "x.yaml:9:38: the column's name is 'a-b'; expected letters, digits and '_', as formulas can hold it");
   EXPECT_EQ(errors("tables: {t: {scene: conference, columns: {a: {metric: triangles, method: tree}}}}\n"),
-            "x.yaml:9:21: 'scene' stands in a table whose rows are scenes; expected 'only' to choose rows");
+            "x.yaml:9:21: 'scene' stands in a table whose rows are scenes; expected 'only' to choose among them");
   EXPECT_EQ(errors("tables: {t: {only: [sibenik], columns: {a: {metric: triangles, method: tree}}}}\n"),
             "x.yaml:9:21: there is no scene 'sibenik' in this experiment; expected one of sibenik-ogre, conference");
   EXPECT_EQ(errors("tables: {t: {rows: method, columns: [triangles], colum: red}}\n"),

@@ -34,15 +34,6 @@ bool is_over_scales(const YamlNode& node) {
   return any;
 }
 
-std::optional<double> parse_real(std::string_view text) {
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  double number = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc{} || stop != end || !std::isfinite(number)) return std::nullopt;
-  return number;
-}
-
 std::optional<std::int64_t> parse_integer(std::string_view text) {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
   std::int64_t number = 0;
@@ -76,6 +67,22 @@ std::optional<ParamValue> parse_as(const YamlNode& node, ParamType type) {
 }
 
 }  // namespace
+
+std::optional<double> parse_real(std::string_view text) {
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  double number = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc{} || stop != end || !std::isfinite(number)) return std::nullopt;
+  return number;
+}
+
+ParamSpec threads_param(int fallback) { return integer_param("threads", fallback, "", 1, 1024); }
+
+const std::vector<std::pair<std::string, double>>& time_units() {
+  static const std::vector<std::pair<std::string, double>> units{{"ms", 0.001}, {"s", 1}, {"min", 60}, {"h", 3600}};
+  return units;
+}
 
 void Reading::report(const SourceLocation& where, std::string message, std::string expected, std::string nearest) {
   problems.push_back({where, std::move(message), std::move(expected), std::move(nearest)});

@@ -64,6 +64,13 @@ class Fields {
 /// node, e.g. "'tracers'".
 [[nodiscard]] std::vector<YamlEntry> read_names(Reading& reading, const YamlNode& node, const std::string& what);
 
+/// The whole text as a number; nothing where it is none.
+[[nodiscard]] std::optional<double> parse_real(std::string_view text);
+/// `threads`, of an experiment or a method.
+[[nodiscard]] ParamSpec threads_param(int fallback);
+/// Units of times for Fields::quantity, in seconds.
+[[nodiscard]] const std::vector<std::pair<std::string, double>>& time_units();
+
 /// Reads a scalar as `spec` takes it (of a method: its name only). Reports, under `what`, and returns nothing where it does not
 /// fit.
 [[nodiscard]] std::optional<ParamValue> read_scalar(Reading& reading, const YamlNode& node, const ParamSpec& spec,

@@ -95,7 +95,8 @@ json pipeline_schema() {
                              {"builder", builder},
                              {"optimize", by_scale(one_or_list(one_or_list(reference("optimizer"))))},
                              {"encode", by_scale(one_or_list(reference("encoder")))},
-                             {"tracers", by_scale(one_or_list(text()))}});
+                             {"tracers", by_scale(one_or_list(text()))},
+                             {"threads", by_scale({{"type", "integer"}, {"minimum", 1}})}});
   return {{"anyOf", json::array({one_of_names(Registry::instance().names(Role::builder)), whole})}};
 }
 
@@ -114,19 +115,26 @@ json table_schema() {
                               {"metric", metric},
                               {"formula", {{"type", json::array({"string", "number"})}}},
                               {"method", text()},
+                              {"best_of", by_scale(one_or_list(text()))},
                               {"tracer", text()},
                               {"workload", text()},
-                              {"relative_to", text()},
+                              {"relative_to", by_scale(one_or_list(text()))},
+                              {"at", by_scale({{"anyOf", json::array({text(), map_of(text())})}})},
+                              {"until", text()},
+                              {"target", by_scale({{"anyOf", json::array({text(), map_of(text())})}})},
                               {"unit", text()},
                               {"decimals", {{"type", "integer"}, {"minimum", 0}, {"maximum", 15}}},
                               {"published", text()}});
+  const json kind = one_of_names({"scene", "method"});
+  const json quantities = {{"anyOf", json::array({list_of(metric), map_of({{"anyOf", json::array({metric, column})}})})}};
+  const json either = {{"anyOf", json::array({kind, quantities})}};
   return object({{"caption", text()},
-                 {"rows", one_of_names({"scene", "method"})},
+                 {"rows", either},
                  {"only", by_scale(one_or_list(text()))},
                  {"scene", text()},
                  {"tracer", text()},
                  {"workload", text()},
-                 {"columns", {{"anyOf", json::array({list_of(metric), map_of({{"anyOf", json::array({metric, column})}})})}}}});
+                 {"columns", either}});
 }
 
 json figure_schema() {
