@@ -18,8 +18,8 @@ struct CurveStyle {
 /// apart. Throws Error naming the figure's place for a style that is neither.
 [[nodiscard]] CurveStyle curve_style(const FigureSpec& figure, std::size_t method);
 
-/// The Vega-Lite specification of a figure of kind `depth-histogram` or `line`, as JSON text, data included. What it cannot show
-/// is added to `gaps`. Empty where nothing at all can be drawn.
+/// The Vega-Lite specification of a figure of kind `depth-histogram`, `pareto` or `line`, as JSON text, data included. What it
+/// cannot show is added to `gaps`. Empty where nothing at all can be drawn.
 [[nodiscard]] std::string figure_spec(const FigureSpec& figure, const Report& report, std::vector<std::string>& gaps);
 
 /// What became of a figure: the files that were written, and what is not in them and why.

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -157,6 +158,86 @@ TEST_F(FigureTest, GrowthIsFittedAndHeldAgainstAReference) {
   EXPECT_EQ(spec()["title"]["subtitle"], (json{"atrium", "N^x: the power of the triangles that fits best; grey: N^1.5"}));
   figure.options["reference_exponent"] = "0";
   EXPECT_EQ(spec()["data"]["values"].size(), 4U);
+  // A second curve that ends close by: 14 pixels of 300 stand between the texts, half of what was lacking below, half above.
+  for (CellResult result : std::vector<CellResult>(results)) {
+    result.method = "insertion";
+    for (double& seconds : result.values["total_time"].samples) seconds *= seconds == 16 ? 1.01 : 1;
+    results.push_back(result);
+  }
+  figure.methods.emplace_back("insertion");
+  std::vector<double> heights;
+  const json both = spec()["data"]["values"];
+  for (const json& row : both) {
+    if (row.contains("exponent")) heights.push_back(row["y"]);
+  }
+  ASSERT_EQ(heights.size(), 2U);
+  EXPECT_NEAR(std::log(heights[1] / heights[0]), std::log(16.16) * 14 / 300, 1e-9);
+  EXPECT_NEAR(heights[0] * heights[1], 16 * 16.16, 1e-9);
+}
+
+/// Times of three methods, the second beaten by the first in both.
+TEST_F(FigureTest, AParetoPlotHasAFrontAndLabels) {
+  figure.kind = "pareto";
+  figure.tracer = own_tracer;
+  figure.methods = {"fast", "beaten", "good", "absent"};
+  figure.scenes = {"atrium", "conference"};
+  figure.workloads = {"random"};
+  plan.pipelines.clear();
+  results.clear();
+  for (const char* method : {"fast", "beaten", "good", "absent"}) {
+    PipelineSpec& pipeline = plan.pipelines.emplace_back();
+    pipeline.label = pipeline.base = method;
+    pipeline.builder.name = std::string(method) == "good" ? "sweep-sah" : "embree";
+    pipeline.tracers = {"t"};
+  }
+  for (const auto& [method, seconds, rate] : {std::tuple{"fast", 0.001, 1e6}, {"beaten", 0.002, 0.5e6}, {"good", 0.004, 4e6}}) {
+    results.push_back(test_result("atrium", method, 1, {seconds, seconds, seconds}));
+    CellResult traced = test_result("atrium", method, 1, {});
+    traced.tracer = "t";
+    traced.workload = "random";
+    traced.values = {{"trace_rate", {ValueClass::absolute, "rays/s", {rate, rate, rate}}}};
+    results.push_back(traced);
+  }
+  const json s = spec();
+  ASSERT_EQ(s["concat"].size(), 1U) << "nothing is known of the other scene";
+  const json& panel = s["concat"][0];
+  EXPECT_EQ(panel["title"]["text"], "atrium");
+  EXPECT_EQ(
+      panel["layer"][0]["data"]["values"],
+      (json::parse(
+          R"([{"x": 1.0, "y": 1000.0, "order": 0}, {"x": 4.0, "y": 1000.0, "order": 1}, {"x": 4.0, "y": 250.0, "order": 2}])")))
+      << "the stairs of the front";
+  const json& points = panel["layer"][1];
+  EXPECT_EQ(points["data"]["values"][1],
+            (json{{"method", "beaten"}, {"builder", "embree"}, {"x", 2.0}, {"y", 2000.0}, {"front", false}}));
+  EXPECT_EQ(points["encoding"]["color"]["scale"]["domain"], (json{"embree", "sweep-sah"}));
+  EXPECT_EQ(points["encoding"]["shape"]["scale"]["range"][0], "diamond");
+  EXPECT_EQ(points["encoding"]["x"]["title"], "time to build [ms]");
+  EXPECT_EQ(points["encoding"]["y"]["title"], "time to trace a ray, random [ns]");
+  const json& labels = panel["layer"].back();
+  EXPECT_EQ(labels["data"]["values"].size(), 3U);
+  EXPECT_EQ(labels["data"]["values"][0]["method"], "fast") << "those on the front first";
+  EXPECT_THAT(gaps, testing::Contains("atrium, absent: not run"));
+  results.clear();
+  EXPECT_TRUE(spec().empty());
+}
+
+TEST_F(FigureTest, ATracedNumberOverTriangles) {
+  figure.kind = "line";
+  figure.methods = {"sah"};
+  figure.options = {{"y", "trace_time"}, {"x", "triangles"}};
+  figure.tracer = own_tracer;
+  figure.workloads = {"random"};
+  plan.pipelines[0].tracers = {"t"};
+  CellResult traced = test_result("sibenik-ogre", "sah", 1, {});
+  traced.tracer = "t";
+  traced.workload = "random";
+  traced.values = {{"trace_time", {ValueClass::absolute, "s", {0.5}}}};
+  results.push_back(traced);
+  EXPECT_EQ(spec()["data"]["values"], json::parse(R"([{"scene": "sibenik-ogre", "method": "sah", "x": 1000.0, "y": 0.5}])"));
+  figure.workloads = {"primary"};
+  EXPECT_TRUE(spec().empty());
+  EXPECT_THAT(gaps, testing::ElementsAre("sibenik-ogre, sah, t, primary: not run"));
 }
 
 TEST_F(FigureTest, AStyleIsAColourAndADash) {

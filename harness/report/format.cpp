@@ -70,6 +70,9 @@ std::string shown_value(const ReportCell& cell, int decimals) {
   if (cell.ours && cell.range_end) return shown_range(cell.ours->value, *cell.range_end);
   if (!cell.ours) return cell.absence == "none" || cell.absence.empty() ? "–" : cell.absence;
   std::string text = fmt::format("{:.{}f}", cell.ours->value, decimals);
+  if (cell.shows_error && cell.ours->interval) {
+    return text + fmt::format(" ± {:.{}f}", cell.ours->interval->high - cell.ours->value, decimals);
+  }
   if (const auto& i = cell.ours->interval) text += fmt::format(" [{:.{}f}, {:.{}f}]", i->low, decimals, i->high, decimals);
   return text;
 }

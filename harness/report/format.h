@@ -19,7 +19,8 @@ void write_markdown(const std::vector<ReportTable>& tables, std::ostream& out);
 /// Needs the packages booktabs and, before LaTeX 2018, inputenc with utf8.
 void write_latex(const std::vector<ReportTable>& tables, std::ostream& out);
 /// RFC 4180: the header `table,row,column,class,unit,published,target,ours,low,high,ratio,verdict,reason`, then one line a cell.
-/// Numbers have all their digits; published ones the paper's. Of a range `ours` is where it begins. Fields without a value are
+/// Numbers have all their digits; published ones the paper's. Of a range `ours` is where it begins; of a slope `low` and
+/// `high` are a standard error away. Fields without a value are
 /// empty.
 void write_csv(const std::vector<ReportTable>& tables, std::ostream& out);
 /// RFC 4180: per table a header `row,COLUMN,…` with COLUMN.published, .low, .high, .ratio and .verdict where there are such; an
@@ -58,7 +59,8 @@ using NotedLines = std::vector<std::vector<NotedText>>;
 /// The headings over those lines, units in brackets.
 [[nodiscard]] std::vector<std::string> head_line(const ReportTable& table);
 
-/// "0.52 [0.50, 0.55]"; a range as "12.3 k to 1.20 M"; what is absent as "not run", "failed", "not installed", "never" or "–".
+/// "0.52 [0.50, 0.55]"; a range as "12.3 k to 1.20 M", a slope as "1.05 ± 0.02"; what is absent as "not run", "failed", "not
+/// installed", "never" or "–".
 [[nodiscard]] std::string shown_value(const ReportCell& cell, int decimals);
 /// "cost: Table 1, p. 17; match within 1 % of the published value", a line for each published column.
 [[nodiscard]] std::vector<std::string> published_lines(const ReportTable& table);

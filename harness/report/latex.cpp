@@ -12,7 +12,7 @@ namespace {
 
 /// Characters that LaTeX reads as commands, and those beyond its default fonts.
 std::string escaped(std::string_view text) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 21> table{{{"\\", "\\textbackslash{}"},
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 22> table{{{"\\", "\\textbackslash{}"},
                                                                                         {"&", "\\&"},
                                                                                         {"%", "\\%"},
                                                                                         {"$", "\\$"},
@@ -32,6 +32,7 @@ std::string escaped(std::string_view text) {
                                                                                         {"µ", "$\\mu$"},
                                                                                         {"·", "$\\cdot$"},
                                                                                         {"≥", "$\\ge$"},
+                                                                                        {"±", "$\\pm$"},
                                                                                         {"≤", "$\\le$"}}};
   std::string out;
   if (text.starts_with('[')) out = "{}";  // after a line's end a bracket would be read as the height of the gap

@@ -1,8 +1,10 @@
 #include "harness/report/statistics.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <random>
+#include <set>
 #include <stdexcept>
 
 namespace raystudy {
@@ -70,6 +72,38 @@ Estimate Bootstrapped::estimate() const {
   const std::size_t cut = sorted.size() / 40;
   result.interval = Estimate::Interval{sorted[cut], sorted[sorted.size() - 1 - cut]};
   return result;
+}
+
+std::optional<PowerFit> fit_power(std::span<const double> sizes, std::span<const double> values) {
+  const std::size_t count = sizes.size();
+  if (count != values.size()) throw std::logic_error("as many values as sizes are needed");
+  const auto logarithm = [](double number) {
+    if (!(number > 0)) throw std::logic_error("a power is fitted to numbers above 0");
+    return std::log(number);
+  };
+  double x_mean = 0;
+  double y_mean = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    x_mean += logarithm(sizes[i]) / static_cast<double>(count);
+    y_mean += logarithm(values[i]) / static_cast<double>(count);
+  }
+  double xx = 0;
+  double xy = 0;
+  double yy = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = std::log(sizes[i]) - x_mean;
+    const double y = std::log(values[i]) - y_mean;
+    xx += x * x;
+    xy += x * y;
+    yy += y * y;
+  }
+  if (std::set<double>(sizes.begin(), sizes.end()).size() < 2) return std::nullopt;
+  PowerFit fit{xy / xx, {}};
+  if (count > 2) {
+    const double residual = std::max(0.0, yy - fit.exponent * xy);
+    fit.standard_error = std::sqrt(residual / static_cast<double>(count - 2) / xx);
+  }
+  return fit;
 }
 
 }  // namespace raystudy

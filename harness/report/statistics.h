@@ -44,4 +44,12 @@ struct Bootstrapped {
   [[nodiscard]] Estimate estimate() const;
 };
 
+/// values ~ sizes^exponent: the least-squares line through the logarithms of both.
+struct PowerFit {
+  double exponent = 0;
+  std::optional<double> standard_error;  ///< of the exponent; needs three points
+};
+/// Nothing where there are no two different sizes. Throws std::logic_error for a number that is not above 0.
+[[nodiscard]] std::optional<PowerFit> fit_power(std::span<const double> sizes, std::span<const double> values);
+
 }  // namespace raystudy

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <stdexcept>
 #include <vector>
 
@@ -77,6 +78,32 @@ TEST(Bootstrap, OfExactValuesIsExact) {
   EXPECT_FALSE(ratio(Bootstrapped::median(std::vector<double>{2, 4}, 1), Bootstrapped::median(std::vector<double>{2, 4, 8}, 1))
                    .estimate()
                    .interval);
+}
+
+TEST(FitPower, TheSlopeOfTheLeastSquaresLine) {
+  // Logarithms of base 4: x = 0, 1, 2; y = 0, 1.5, 2. Slope 1, residuals -1/6, 1/3, -1/6: their squares' sum is 1/6, xx is 2.
+  const std::vector<double> sizes{1, 4, 16};
+  const std::vector<double> values{1, 8, 16};
+  const PowerFit fit = fit_power(sizes, values).value();
+  EXPECT_NEAR(fit.exponent, 1, 1e-12);
+  EXPECT_NEAR(fit.standard_error.value(), std::sqrt(1.0 / 12), 1e-12);
+}
+
+TEST(FitPower, AnExactPowerHasNoError) {
+  const std::vector<double> sizes{10, 100, 1000, 10000};
+  const std::vector<double> values{3, 3e2, 3e4, 3e6};
+  EXPECT_NEAR(fit_power(sizes, values)->exponent, 2, 1e-12);
+  EXPECT_NEAR(fit_power(sizes, values)->standard_error.value(), 0, 1e-6);
+}
+
+TEST(FitPower, NeedsTwoSizesAndThreePointsForAnError) {
+  EXPECT_FALSE(fit_power(std::vector<double>{}, std::vector<double>{}));
+  EXPECT_FALSE(fit_power(std::vector<double>{7, 7}, std::vector<double>{1, 2}));
+  const std::vector<double> two{1, 2};
+  EXPECT_NEAR(fit_power(two, std::vector<double>{4, 8})->exponent, 1, 1e-12);
+  EXPECT_FALSE(fit_power(two, std::vector<double>{4, 8})->standard_error);
+  EXPECT_THROW((void)fit_power(two, std::vector<double>{0, 1}), std::logic_error);
+  EXPECT_THROW((void)fit_power(two, std::vector<double>{1}), std::logic_error);
 }
 
 }  // namespace

@@ -9,8 +9,10 @@
 #include <utility>
 
 #include "harness/report/break_even.h"
+#include "harness/report/slope.h"
 #include "harness/report/value.h"
 #include "harness/spec/quantity.h"
+#include "harness/spec/reading.h"
 
 namespace raystudy {
 namespace {
@@ -36,7 +38,8 @@ struct RowPlace {
 };
 
 std::vector<RowPlace> rows_of(const TableSpec& table, const Plan& plan, const std::string& scene) {
-  std::vector<std::string> labels = table.row_filter;
+  const bool by_sweep = table.slopes && table.rows == "scene";
+  std::vector<std::string> labels = by_sweep ? scene_bases(plan, table.row_filter) : table.row_filter;
   if (labels.empty()) {
     if (table.rows == "scene") {
       for (const SceneSpec& s : plan.scenes) labels.push_back(s.label);
@@ -105,8 +108,8 @@ class TableBuilder {
     table_.transposed = spec_.transposed;
     table_.row_heading = spec_.transposed ? "" : spec_.rows == "scene" ? "Scene" : "Method";
     for (const ColumnSpec& c : spec_.columns) {
-      table_.columns.push_back(
-          {c.name, c.label.empty() ? c.name : c.label, shown_unit(c, published_), c.decimals, published_column(c, published_)});
+      table_.columns.push_back({c.name, c.label.empty() ? c.name : c.label, spec_.slopes ? "" : shown_unit(c, published_),
+                                c.decimals, published_column(c, published_)});
     }
     table_.traversal = plan_.cost.traversal;
     table_.intersection = plan_.cost.intersection;
@@ -134,6 +137,14 @@ class TableBuilder {
         // The study has no such cell, which is not the same as one that has not been run.
         values.emplace_back().absence = "none";
         row.cells.emplace_back().absence = "none";
+        continue;
+      }
+      if (spec_.slopes) {
+        ReportCell cell = slope_cell(column, value_place, plan_, results_);
+        const std::vector<const SceneSpec*> scenes = scenes_of(plan_, place.scene);
+        const auto target = scenes.empty() ? column.targets.end() : column.targets.find(scenes.front()->label);
+        if (target != column.targets.end()) add_target(cell, target->second);
+        row.cells.push_back(std::move(cell));
         continue;
       }
       if (column.metric == break_even_quantity) {
@@ -208,6 +219,12 @@ class TableBuilder {
 
   /// Conditions of the run, and the machines that absolute values belong to.
   void add_remarks() {
+    if (spec_.slopes) {
+      table_.remarks.emplace_back(
+          "Slopes: the power of the number of triangles with which the value grows, by least squares in logarithms of medians, ± "
+          "its "
+          "standard error");
+    }
     bool timed = false;
     for (const ReportRow& row : table_.rows) {
       for (const ReportCell& cell : row.cells) {
@@ -347,7 +364,9 @@ std::vector<ReportTable> build_tables(const Plan& plan, const ResultSet& results
       tables.push_back(TableBuilder(spec, plan, results, published).build(spec.scene));
       continue;
     }
-    for (const SceneSpec& scene : plan.scenes) tables.push_back(TableBuilder(spec, plan, results, published).build(scene.label));
+    for (const std::string& scene : spec.slopes ? scene_bases(plan, {}) : labels_of(plan.scenes)) {
+      tables.push_back(TableBuilder(spec, plan, results, published).build(scene));
+    }
   }
   return tables;
 }

@@ -31,6 +31,7 @@ struct ReportCell {
   std::optional<ValueClass> value_class;  ///< of ours, else of the published value
   std::optional<PublishedValue> published;
   std::optional<Estimate> ours;     ///< in the column's unit
+  bool shows_error = false;         ///< the interval is one standard error to each side
   std::optional<double> range_end;  ///< where ours begins a range: its end, infinite where it has none
   std::optional<double> ratio;      ///< ours / published
   std::optional<Target> target;     ///< what ours is to reach

@@ -12,8 +12,11 @@ namespace raystudy {
 struct FigureKind {
   std::string name;
   std::string summary;
-  bool traced = false;             ///< takes workloads and a tracer
-  bool drawn_per_method = false;   ///< takes methods; else the picture does not depend on them
+  bool traced = false;            ///< takes workloads and a tracer
+  bool drawn_per_method = false;  ///< takes methods; else the picture does not depend on them
+  bool styled = false;            ///< takes a style for each method
+  bool takes_own_tracers =
+      false;  ///< shows each method with its own tracer where YAML names none, by default all that are traced
   std::vector<ParamSpec> options;  ///< FigureSpec::options holds each as text
 };
 

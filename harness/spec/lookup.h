@@ -58,6 +58,13 @@ class Lookup {
     return std::nullopt;
   }
 
+  /// A tracer's label, or own_tracer.
+  [[nodiscard]] std::optional<std::string> tracer(const YamlNode& node) const;
+  /// Reports a method that `tracer` does not trace (own_tracer: that has not just one). `owner` begins the message: "column 'x'
+  /// asks for". Labels that are none have been reported.
+  void check_traced(const std::string& tracer, const std::string& method, const SourceLocation& where,
+                    const std::string& owner) const;
+
   /// A quantity that the harness or one of the experiment's metrics gives.
   [[nodiscard]] std::optional<Quantity> quantity(const std::string& name, const SourceLocation& where) const;
 
@@ -66,6 +73,7 @@ class Lookup {
   [[nodiscard]] bool is_reported(std::string_view name, std::string_view what) const;
 
   Reading& reading_;
+  const Plan& plan_;
   std::vector<Quantity> quantities_;
 };
 

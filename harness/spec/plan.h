@@ -95,10 +95,11 @@ struct ColumnSpec {
 struct TableSpec {
   std::string name;
   std::string caption;
-  std::string rows;                     ///< "scene" or "method": what the values of one row belong to
-  bool transposed = false;              ///< shown with a line for each of `columns`, rows side by side
+  std::string rows;         ///< "scene" or "method": what the values of one row belong to
+  bool transposed = false;  ///< shown with a line for each of `columns`, rows side by side
+  bool slopes = false;  ///< of each value the power of the triangles with which it grows over a sweep of scenes (SceneSpec::base)
   std::vector<std::string> row_filter;  ///< labels in the order shown; empty: all
-  std::string scene;                    ///< where the rows are methods: the scene; empty: the table once for each scene
+  std::string scene;  ///< where the rows are methods: the scene (of slopes: the sweep's base); empty: the table once for each
   std::vector<ColumnSpec> columns;
   SourceLocation where;
 };

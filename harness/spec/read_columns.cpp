@@ -17,11 +17,6 @@ bool is_time_series(const Quantity& quantity) { return quantity.axis == "seconds
 
 }  // namespace
 
-std::optional<std::string> read_tracer_label(const Lookup& lookup, const Plan& plan, const YamlNode& node) {
-  if (node.is_scalar() && node.text == own_tracer) return own_tracer;
-  return lookup.one_of(plan.tracers, node, "tracer");
-}
-
 std::string ColumnReader::owner(const ColumnSpec& column) const { return fmt::format("{} '{}'", settings_.word, column.name); }
 
 ColumnSpec ColumnReader::read_quantity(const YamlEntry& name) {
@@ -171,7 +166,7 @@ void ColumnReader::read_methods(Fields& fields, ColumnSpec& column) {
 
 void ColumnReader::read_dimensions(Fields& fields, ColumnSpec& column) {
   if (const YamlNode* tracer = fields.find("tracer")) {
-    column.tracer = read_tracer_label(lookup_, plan_, *tracer).value_or("?");
+    column.tracer = lookup_.tracer(*tracer).value_or("?");
   }
   if (const YamlNode* workload = fields.find("workload")) {
     column.workload = lookup_.one_of(plan_.workloads, *workload, "workload").value_or("?");
@@ -266,29 +261,9 @@ void ColumnReader::complete_tracing(ColumnSpec& column, const Quantity& quantity
     column.workload = settings_.workload ? *settings_.workload
                                          : lookup_.the_only(plan_.workloads, where, owner(column), "workload").value_or("?");
   }
-  for (const std::string& method : column.methods) check_traced(column, method, where);
-  for (const std::string& method : column.relative_to) check_traced(column, method, where);
-}
-
-/// Reports a method that is not traced by the column's tracer.
-void ColumnReader::check_traced(const ColumnSpec& column, const std::string& method, const SourceLocation& where) {
-  const auto pipeline = index_of(plan_.pipelines, method);
-  if (!pipeline) return;
-  const std::vector<std::string>& tracers = plan_.pipelines[*pipeline].tracers;
-  const std::string one_of = tracers.empty() ? "a method that is traced" : fmt::format("one of {}", fmt::join(tracers, ", "));
-  if (column.tracer == own_tracer) {
-    if (tracers.size() == 1) return;
-    reading_.report(where,
-                    fmt::format("{} asks for the own tracer of method '{}', which has {}", owner(column), method,
-                                tracers.empty() ? "none" : "several"),
-                    one_of);
-    return;
-  }
-  if (!index_of(plan_.tracers, column.tracer)) return;
-  if (std::find(tracers.begin(), tracers.end(), column.tracer) != tracers.end()) return;
-  reading_.report(where,
-                  fmt::format("{} asks for tracer '{}', which does not trace method '{}'", owner(column), column.tracer, method),
-                  one_of);
+  const std::string asks = owner(column) + " asks for";
+  for (const std::string& method : column.methods) lookup_.check_traced(column.tracer, method, where, asks);
+  for (const std::string& method : column.relative_to) lookup_.check_traced(column.tracer, method, where, asks);
 }
 
 }  // namespace raystudy

@@ -17,9 +17,6 @@ struct ColumnSettings {
   std::optional<std::string> workload;
 };
 
-/// A tracer's label, or own_tracer; reports what is neither.
-[[nodiscard]] std::optional<std::string> read_tracer_label(const Lookup& lookup, const Plan& plan, const YamlNode& node);
-
 /// Reads the columns of a table, reports what is wrong with them, and fills in what they leave open and the table or the plan
 /// settles.
 class ColumnReader {
@@ -46,7 +43,6 @@ class ColumnReader {
   [[nodiscard]] std::string natural_unit(const ColumnSpec& column, const Quantity& quantity, const SourceLocation& where);
   void check_break_even(const ColumnSpec& column, const SourceLocation& where);
   void complete_tracing(ColumnSpec& column, const Quantity& quantity, const SourceLocation& where);
-  void check_traced(const ColumnSpec& column, const std::string& method, const SourceLocation& where);
 
   Reading& reading_;
   const Plan& plan_;

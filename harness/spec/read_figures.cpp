@@ -33,7 +33,12 @@ class FigureReader {
     figure.scenes = labels(fields, "scenes", plan_.scenes, "scene");
     if (kind->drawn_per_method) {
       figure.methods = labels(fields, "methods", plan_.pipelines, "method");
-      read_styles(fields, figure);
+      if (kind->takes_own_tracers && fields.find("methods") == nullptr) {
+        std::erase_if(figure.methods, [this](const std::string& method) {
+          return plan_.pipelines[*index_of(plan_.pipelines, method)].tracers.empty();
+        });
+      }
+      if (kind->styled) read_styles(fields, figure);
     }
     for (const ParamSpec& option : kind->options) figure.options[option.name] = label_text(fields.value(option));
     bool traced = kind->traced;
@@ -77,19 +82,22 @@ class FigureReader {
     if (figure.workloads.empty() && plan_.workloads.empty()) {
       reading_.report(figure.where, fmt::format("{} needs rays", owner), "'workloads' in the experiment");
     }
+    if (kind.name == "line" && figure.workloads.size() > 1) {
+      reading_.report(figure.where, fmt::format("{} draws one workload and has several", owner),
+                      fmt::format("'workloads', one of {}", fmt::join(figure.workloads, ", ")));
+    }
     if (!kind.drawn_per_method) return;
     const YamlNode* tracer = fields.find("tracer");
-    figure.tracer = (tracer == nullptr ? lookup_.the_only(plan_.tracers, figure.where, owner, "tracer")
-                                       : lookup_.one_of(plan_.tracers, *tracer, "tracer"))
-                        .value_or("");
-    if (figure.tracer.empty()) return;
-    for (const std::string& method : figure.methods) {
-      const std::vector<std::string>& tracers = plan_.pipelines[*index_of(plan_.pipelines, method)].tracers;
-      if (std::find(tracers.begin(), tracers.end(), figure.tracer) != tracers.end()) continue;
-      reading_.report(figure.where,
-                      fmt::format("{} shows tracer '{}', which does not trace method '{}'", owner, figure.tracer, method),
-                      tracers.empty() ? "a method that is traced" : fmt::format("one of {}", fmt::join(tracers, ", ")));
+    if (tracer == nullptr && kind.takes_own_tracers) {
+      figure.tracer = own_tracer;
+    } else {
+      figure.tracer = (tracer == nullptr ? lookup_.the_only(plan_.tracers, figure.where, owner, "tracer")
+                       : kind.name == "line" || kind.takes_own_tracers ? lookup_.tracer(*tracer)
+                                                                       : lookup_.one_of(plan_.tracers, *tracer, "tracer"))
+                          .value_or("");
     }
+    if (figure.tracer.empty()) return;
+    for (const std::string& method : figure.methods) lookup_.check_traced(figure.tracer, method, figure.where, owner + " shows");
   }
 
   void read_styles(Fields& fields, FigureSpec& figure) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "harness/spec/formula.h"
+#include "harness/spec/quantity.h"
 #include "harness/spec/read_columns.h"
 #include "harness/spec/read_sections.h"
 
@@ -26,6 +27,7 @@ class TableReader {
     table.transposed = rows != nullptr && !rows->is_scalar();
     const char* kind_key = table.transposed ? "columns" : "rows";
     table.rows = std::get<std::string>(fields.value(choice_param(kind_key, {"scene", "method"}, "")));
+    table.slopes = std::get<bool>(fields.value(boolean_param("slopes", false, "")));
     settings_.by_method = table.rows == "method";
     settings_.word = table.transposed ? "row" : "column";
     for (const YamlEntry& name : fields.names("only")) {
@@ -38,9 +40,9 @@ class TableReader {
         reading_.report(scene->where, fmt::format("'scene' stands in a table whose {} are scenes", kind_key),
                         "'only' to choose among them");
       }
-      table.scene = lookup_.one_of(plan_.scenes, *scene, "scene").value_or("");
+      table.scene = table.slopes ? sweep_of(*scene) : lookup_.one_of(plan_.scenes, *scene, "scene").value_or("");
     }
-    if (const YamlNode* tracer = fields.find("tracer")) settings_.tracer = read_tracer_label(lookup_, plan_, *tracer);
+    if (const YamlNode* tracer = fields.find("tracer")) settings_.tracer = lookup_.tracer(*tracer);
     if (const YamlNode* workload = fields.find("workload")) {
       settings_.workload = lookup_.one_of(plan_.workloads, *workload, "workload");
     }
@@ -49,11 +51,27 @@ class TableReader {
     } else if (const YamlNode* columns = fields.require("columns", quantities_expected)) {
       read_columns(*columns, "columns", table);
     }
+    if (table.slopes) check_slopes(table);
     fields.finish();
     return table;
   }
 
  private:
+  /// The sweep of scenes that the node names.
+  [[nodiscard]] std::string sweep_of(const YamlNode& node) const {
+    if (!node.is_scalar()) return lookup_.one_of(plan_.scenes, node, "scene").value_or("");
+    const std::vector<std::string> labels = lookup_.all_of(plan_.scenes, {node.text, node.where, nullptr}, "scene");
+    return labels.empty() ? "" : plan_.scenes[*index_of(plan_.scenes, labels.front())].base;
+  }
+
+  void check_slopes(const TableSpec& table) {
+    for (const ColumnSpec& column : table.columns) {
+      if (column.formula.empty() && column.published.empty() && column.metric != break_even_quantity) continue;
+      reading_.report(column.where, fmt::format("{} '{}' stands in a table of slopes", settings_.word, column.name),
+                      "a quantity other than break_even, neither a formula nor published");
+    }
+  }
+
   void read_columns(const YamlNode& node, const char* key, TableSpec& table) {
     ColumnReader reader(reading_, plan_, lookup_, settings_);
     if (node.is_list()) {

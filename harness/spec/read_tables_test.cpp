@@ -156,6 +156,20 @@ TEST(ReadTables, BreakEvenComparesTheMethodsOfATable) {
             "'published'");
 }
 
+TEST(ReadTables, SlopesAreOfSweepsOfScenes) {
+  const std::vector<std::pair<std::string, std::string>> sweep{
+      {"[sibenik-ogre, conference]", "[terrain: {triangles: [1000, 2000, 4000]}, conference]"}};
+  EXPECT_EQ(errors("tables: {t: {rows: method, slopes: true, scene: terrain, columns: [total_time]}}\n", sweep), "no error");
+  EXPECT_EQ(errors("tables: {t: {rows: method, slopes: true, scene: terrian, columns: [total_time]}}\n", sweep).substr(0, 62),
+            "x.yaml:9:49: there is no scene 'terrian' in this experiment; e");
+  EXPECT_EQ(errors("tables: {t: {rows: method, slopes: 3, columns: [total_time]}}\n"),
+            "x.yaml:9:36: 'slopes' is the integer 3; expected true or false");
+  EXPECT_EQ(
+      errors("tables: {t: {rows: method, slopes: true, columns: {a: total_time, b: {formula: a}}}}\n"),
+      "x.yaml:9:67: column 'b' stands in a table of slopes; expected a quantity other than break_even, neither a formula nor "
+      "published");
+}
+
 TEST(ReadTables, MistakesInPlacesOnASeries) {
   EXPECT_EQ(column("{metric: cost_over_time, method: tree}"),
             "x.yaml:9:36: 'cost_over_time' is a series over seconds; expected 'at' or 'until', which make one number of it; or a "
@@ -232,10 +246,11 @@ TEST(ReadTables, Mistakes) {
             "x.yaml:9:21: 'scene' stands in a table whose rows are scenes; expected 'only' to choose among them");
   EXPECT_EQ(errors("tables: {t: {only: [sibenik], columns: {a: {metric: triangles, method: tree}}}}\n"),
             "x.yaml:9:21: there is no scene 'sibenik' in this experiment; expected one of sibenik-ogre, conference");
-  EXPECT_EQ(errors("tables: {t: {rows: method, columns: [triangles], colum: red}}\n"),
-            "x.yaml:9:50: table 't' has no key 'colum'; expected one of caption, rows, only, scene, tracer, workload, columns; "
-            "did you "
-            "mean 'columns'?");
+  EXPECT_EQ(
+      errors("tables: {t: {rows: method, columns: [triangles], colum: red}}\n"),
+      "x.yaml:9:50: table 't' has no key 'colum'; expected one of caption, rows, slopes, only, scene, tracer, workload, columns; "
+      "did you "
+      "mean 'columns'?");
 }
 
 TEST(ReadTables, MistakesInColumns) {
@@ -321,14 +336,30 @@ figures:
   EXPECT_EQ(growth.options.at("log_y"), "false");
 }
 
+TEST(ReadFigures, AParetoPlotTakesTracedMethodsWithTheirOwnTracers) {
+  const Plan plan = read("figures: {p: {kind: pareto, scenes: [conference], workloads: few}}\n");
+  EXPECT_EQ(plan.figures.at(0).tracer, own_tracer);
+  EXPECT_THAT(plan.figures.at(0).methods, ElementsAre("tree", "wide", "many[bins=1]", "many[bins=2]"));
+  EXPECT_EQ(
+      errors("figures: {p: {kind: pareto, methods: [tree, untraced]}}\n",
+             {{"  many:", "  untraced: {from: tree, tracers: []}\n  many:"}}),
+      "x.yaml:10:11: figure 'p' shows the own tracer of method 'untraced', which has none; expected a method that is traced");
+  EXPECT_EQ(errors("figures: {p: {kind: pareto, styles: {tree: red}}}\n"),
+            "x.yaml:9:29: figure 'p' has no key 'styles'; expected one of caption, kind, scenes, methods, workloads, tracer");
+  EXPECT_EQ(read("figures: {l: {kind: line, x: triangles, y: trace_time, tracer: own, workloads: few}}\n").figures.at(0).tracer,
+            own_tracer);
+  EXPECT_EQ(errors("figures: {l: {kind: line, x: triangles, y: trace_time, tracer: own}}\n"),
+            "x.yaml:9:11: figure 'l' draws one workload and has several; expected 'workloads', one of few, lots");
+}
+
 TEST(ReadFigures, Mistakes) {
   EXPECT_EQ(errors("figures: 1\n"), "x.yaml:9:10: 'figures' is the integer 1; expected a map of name to figure");
   EXPECT_EQ(errors("figures: {f: {}}\n"),
-            "x.yaml:9:14: figure 'f' has no 'kind'; expected one of heat-map, render, depth-histogram, line");
-  EXPECT_EQ(
-      errors("figures: {f: {kind: heatmap}}\n"),
-      "x.yaml:9:21: there is no kind of figure 'heatmap'; expected one of heat-map, render, depth-histogram, line; did you mean "
-      "'heat-map'?");
+            "x.yaml:9:14: figure 'f' has no 'kind'; expected one of heat-map, render, depth-histogram, pareto, line");
+  EXPECT_EQ(errors("figures: {f: {kind: heatmap}}\n"),
+            "x.yaml:9:21: there is no kind of figure 'heatmap'; expected one of heat-map, render, depth-histogram, pareto, line; "
+            "did you mean "
+            "'heat-map'?");
   EXPECT_EQ(errors("figures: {f: {kind: depth-histogram, methods: [x]}}\n"),
             "x.yaml:9:48: there is no method 'x' in this experiment; expected one of tree, wide, many[bins=1], many[bins=2]");
   EXPECT_EQ(errors("figures: {f: {kind: depth-histogram, highest: 3}}\n"),

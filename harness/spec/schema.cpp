@@ -130,6 +130,7 @@ json table_schema() {
   const json either = {{"anyOf", json::array({kind, quantities})}};
   return object({{"caption", text()},
                  {"rows", either},
+                 {"slopes", by_scale({{"type", "boolean"}})},
                  {"only", by_scale(one_or_list(text()))},
                  {"scene", text()},
                  {"tracer", text()},
@@ -145,7 +146,7 @@ json figure_schema() {
     properties["caption"] = text();
     properties["scenes"] = by_scale(one_or_list(text()));
     if (kind.drawn_per_method) properties["methods"] = by_scale(one_or_list(text()));
-    if (kind.drawn_per_method) properties["styles"] = map_of(text());
+    if (kind.styled) properties["styles"] = map_of(text());
     if (kind.traced || kind.name == "line") properties["workloads"] = by_scale(one_or_list(text()));
     if (kind.drawn_per_method && (kind.traced || kind.name == "line")) properties["tracer"] = text();
     json one = object(std::move(properties));
