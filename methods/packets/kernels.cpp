@@ -1,11 +1,5 @@
-// One kernel a kind of node and an instruction set, as in methods/wide/kernels.cpp.
-#undef HWY_COMPILE_ONLY_STATIC
-#ifdef __AVX2__
-#define HWY_BASELINE_TARGETS HWY_AVX2
-#else
-#define HWY_BASELINE_TARGETS HWY_SSE4
-#endif
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+// One kernel a kind of node and an instruction set.
+#include "methods/wide/targets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "methods/packets/kernels.cpp"
@@ -71,12 +65,12 @@ TraceCounts count(const wide::Tree& tree, const PacketOptions& options, std::spa
   return counter.counts;
 }
 
-Kernel kernel(const WideBvh& bvh, std::uint32_t size) {
+Functions kernel(const WideBvh& bvh, std::uint32_t size) {
   return bvh.visit([size](const auto& nodes) {
     using Node = std::remove_cvref_t<decltype(nodes[0])>;
     // A packet of four would leave most lanes of a longer vector idle.
-    if (size == 4) return Kernel{trace<Node, FloatsOf<4>>, count<Node, FloatsOf<4>>};
-    return Kernel{trace<Node, FloatsOf<16>>, count<Node, FloatsOf<16>>};
+    if (size == 4) return Functions{trace<Node, FloatsOf<4>>, count<Node, FloatsOf<4>>};
+    return Functions{trace<Node, FloatsOf<16>>, count<Node, FloatsOf<16>>};
   });
 }
 
@@ -85,24 +79,11 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 
-#include "harness/base/error.h"
-
 namespace raystudy::packets {
 
-Kernel kernel_for(const WideBvh& bvh, wide::Simd simd, std::uint32_t size) {
-  const std::int64_t here = hwy::SupportedTargets();
-#if HWY_TARGETS & HWY_AVX3
-  if (simd == wide::Simd::best && (here & HWY_AVX3) != 0) return N_AVX3::kernel(bvh, size);
-#endif
-#if HWY_TARGETS & HWY_AVX2
-  if ((here & HWY_AVX2) != 0) return N_AVX2::kernel(bvh, size);
-#endif
-  if (simd == wide::Simd::avx2) throw Error("this processor has no AVX2; expected simd: auto");
-#if HWY_TARGETS & HWY_SSE4
-  return N_SSE4::kernel(bvh, size);
-#else
-  throw Error("this processor lacks the AVX2 that Raystudy was built for");
-#endif
+Kernel kernel_for(const WideBvh& bvh, wide::Simd simd, const PacketOptions& options) {
+  constexpr std::array<Functions (*)(const WideBvh&, std::uint32_t), 3> kernels RAYSTUDY_OF_EACH(kernel);
+  return {kernels[wide::instruction_set(simd)](bvh, options.size), options};
 }
 
 }  // namespace raystudy::packets

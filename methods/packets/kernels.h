@@ -23,14 +23,31 @@ struct PacketOptions {
 };
 
 /// The traversal of one kind of node in one instruction set. Packets are made of consecutive rays.
-struct Kernel {
+struct Functions {
   void (*trace)(const wide::Tree& tree, const PacketOptions& options, std::span<const Ray> rays, std::span<Hit> hits,
                 Query query);
   TraceCounts (*count)(const wide::Tree& tree, const PacketOptions& options, std::span<const Ray> rays, Query query,
                        std::span<std::uint32_t> steps);
 };
 
-/// For packets of `size` rays. Throws Error where the processor lacks `simd`.
-[[nodiscard]] Kernel kernel_for(const WideBvh& bvh, wide::Simd simd, std::uint32_t size);
+/// The same with its options.
+class Kernel {
+ public:
+  Kernel(const Functions& functions, const PacketOptions& options) : functions_(functions), options_(options) {}
+  void trace(const wide::Tree& tree, std::span<const Ray> rays, std::span<Hit> hits, Query query) const {
+    functions_.trace(tree, options_, rays, hits, query);
+  }
+  [[nodiscard]] TraceCounts count(const wide::Tree& tree, std::span<const Ray> rays, Query query,
+                                  std::span<std::uint32_t> steps) const {
+    return functions_.count(tree, options_, rays, query, steps);
+  }
+
+ private:
+  Functions functions_;
+  PacketOptions options_;
+};
+
+/// Throws Error where the processor lacks `simd`.
+[[nodiscard]] Kernel kernel_for(const WideBvh& bvh, wide::Simd simd, const PacketOptions& options);
 
 }  // namespace raystudy::packets

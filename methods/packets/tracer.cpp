@@ -1,58 +1,18 @@
-#include <algorithm>
-#include <stdexcept>
 #include <string>
 
-#include "harness/method/parallel_rays.h"
 #include "harness/method/registry.h"
 #include "methods/packets/kernels.h"
+#include "methods/wide/session.h"
 
 namespace raystudy::packets {
 namespace {
-
-/// Packets of consecutive rays through a wide tree. Hits are those of testing every triangle, bit for bit, whatever the tree, the
-/// packets and the instruction set: boxes are tested conservatively, triangles as watertight.h does. Of equal t the lowest
-/// triangle index is the hit.
-class PacketSession final : public TraceSession {
- public:
-  PacketSession(const WideBvh& bvh, wide::Simd simd, const PacketOptions& options, int threads)
-      : tree_(bvh), options_(options), kernel_(kernel_for(bvh, simd, options.size)), empty_(bvh.empty()), threads_(threads) {}
-
-  void trace(std::span<const Ray> rays, std::span<Hit> hits, Query query) override {
-    if (hits.size() != rays.size()) throw std::logic_error("as many hits as rays are needed");
-    for_ray_tiles(rays.size(), threads_, [&](std::size_t begin, std::size_t end) {
-      const auto out = hits.subspan(begin, end - begin);
-      if (empty_) {
-        std::fill(out.begin(), out.end(), Hit{});
-      } else {
-        kernel_.trace(tree_, options_, rays.subspan(begin, end - begin), out, query);
-      }
-    });
-  }
-
-  [[nodiscard]] bool counts() const override { return true; }
-
-  TraceCounts count(std::span<const Ray> rays, Query query, std::span<std::uint32_t> steps) override {
-    if (!steps.empty() && steps.size() != rays.size()) throw std::logic_error("as many step counts as rays are needed, or none");
-    if (empty_) {
-      std::fill(steps.begin(), steps.end(), 0U);
-      return {};
-    }
-    return kernel_.count(tree_, options_, rays, query, steps);
-  }
-
- private:
-  wide::Tree tree_;
-  PacketOptions options_;
-  Kernel kernel_;
-  bool empty_;
-  int threads_;
-};
 
 Culling culling_of(const std::string& text) {
   if (text == "none") return Culling::none;
   return text == "frustum" ? Culling::frustum : Culling::interval;
 }
 
+/// Packets of consecutive rays through a wide tree.
 class PacketTracer final : public Tracer {
  public:
   explicit PacketTracer(const Params& params)
@@ -76,7 +36,8 @@ class PacketTracer final : public Tracer {
   }
 
   [[nodiscard]] std::unique_ptr<TraceSession> prepare(const Accel& accel, const Scene&, int threads, bool) const override {
-    return std::make_unique<PacketSession>(dynamic_cast<const WideBvh&>(accel), simd_, options_, threads);
+    const auto& bvh = dynamic_cast<const WideBvh&>(accel);
+    return std::make_unique<wide::Session<Kernel>>(bvh, kernel_for(bvh, simd_, options_), threads);
   }
 
  private:

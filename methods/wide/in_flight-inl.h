@@ -26,9 +26,10 @@ struct RayOrder {
   std::size_t reversed;  ///< 0, or all ones
   hn::Vec<D8> reversal;
 
-  HWY_INLINE explicit RayOrder(const WideRay& ray) {
-    const bool down = (ray.negative & 4U) != 0;
-    row = (down ? ~ray.negative : ray.negative) & 3U;
+  /// `octant`: bit i where the ray goes down along axis i.
+  HWY_INLINE explicit RayOrder(unsigned octant) {
+    const bool down = (octant & 4U) != 0;
+    row = (down ? ~octant : octant) & 3U;
     reversed = down ? ~std::size_t{0} : 0;
     const auto forward = hn::Iota(D8(), 0);
     reversal = hn::Xor(forward, hn::Set(D8(), static_cast<std::uint8_t>(down ? hn::MaxLanes(D8()) - 1 : 0)));
@@ -183,9 +184,9 @@ class RaysInFlight {
       Flight& flight = flights_[slot];
       flight.counter.inner();
       flight.counter.boxes(Node::width);
-      const std::size_t met = push_met<any>(d, nodes_[flight.child], SlabVectors<D>(d, *flight.ray), RayOrder<D>(*flight.ray),
-                                            hn::Set(d, flight.entry), hn::Set(d, flight.farthest),
-                                            flight.children + flight.waiting, flight.nears + flight.waiting);
+      const std::size_t met = push_met<any>(
+          d, nodes_[flight.child], SlabVectors<D>(d, *flight.ray), RayOrder<D>(flight.ray->negative), hn::Set(d, flight.entry),
+          hn::Set(d, flight.farthest), flight.children + flight.waiting, flight.nears + flight.waiting);
       flight.waiting += static_cast<std::ptrdiff_t>(met) - 1;
       flight.child = flight.children[flight.waiting];
       queue(slot, flight.child);

@@ -1,12 +1,5 @@
-// One kernel a kind of node and an instruction set. Baseline and targets are chosen here and not by the compiler's flags, so that
-// a build for this very machine still holds the AVX2 kernels, and a build for any machine the AVX-512 ones.
-#undef HWY_COMPILE_ONLY_STATIC
-#ifdef __AVX2__
-#define HWY_BASELINE_TARGETS HWY_AVX2
-#else
-#define HWY_BASELINE_TARGETS HWY_SSE4
-#endif
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+// One kernel a kind of node and an instruction set.
+#include "methods/wide/targets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "methods/wide/kernels.cpp"
@@ -88,11 +81,12 @@ Tree::Tree(const WideBvh& bvh)
     : nodes(bvh.visit([](const auto& all) { return static_cast<const void*>(all.data()); })),
       corners(bvh.corners.data()),
       triangles(bvh.triangles.data()),
+      bounds(bvh.bounds),
       slabs(bvh.bounds),
       height(bvh.height) {}
 
-bool finish_triangle(const float* rows, std::uint32_t n, std::uint32_t i, std::uint32_t triangle, const WideRay& ray, float tmin,
-                     Hit& hit) {
+bool finish_triangle(const float* rows, std::uint32_t n, std::uint32_t i, std::uint32_t triangle, const TriangleRay& ray,
+                     float tmin, Hit& hit) {
   std::array<float, 3> x{};
   std::array<float, 3> y{};
   std::array<float, 3> z{};
@@ -110,36 +104,23 @@ bool finish_triangle(const float* rows, std::uint32_t n, std::uint32_t i, std::u
   return true;
 }
 
-namespace {
-
-#if HWY_TARGETS & HWY_AVX3
-constexpr std::int64_t avx512 = HWY_AVX3;
-#else
-constexpr std::int64_t avx512 = 0;
-#endif
-
-}  // namespace
-
-Kernel kernel_for(const WideBvh& bvh, Schedule schedule, Simd simd) {
-  const std::int64_t here = hwy::SupportedTargets();
-#if HWY_TARGETS & HWY_AVX3
-  if (simd == Simd::best && (here & HWY_AVX3) != 0) return N_AVX3::kernel(bvh, schedule);
-#endif
-#if HWY_TARGETS & HWY_AVX2
-  if ((here & HWY_AVX2) != 0) return N_AVX2::kernel(bvh, schedule);
-#endif
+std::size_t instruction_set(Simd simd) {
+  const std::int64_t usable = hwy::SupportedTargets() & HWY_TARGETS;
+  if (simd == Simd::best && (usable & HWY_AVX3) != 0) return 0;
+  if ((usable & HWY_AVX2) != 0) return 1;
   if (simd == Simd::avx2) throw Error("this processor has no AVX2; expected simd: auto");
-#if HWY_TARGETS & HWY_SSE4
-  return N_SSE4::kernel(bvh, schedule);
-#else
-  throw Error("this processor lacks the AVX2 that Raystudy was built for");
-#endif
+  if ((usable & HWY_SSE4) == 0) throw Error("this processor lacks the AVX2 that Raystudy was built for");
+  return 2;
 }
 
 std::string_view best_simd() {
-  const std::int64_t here = hwy::SupportedTargets();
-  if ((here & avx512) != 0) return "AVX-512";
-  return (here & HWY_AVX2) != 0 ? "AVX2" : "SSE4";
+  constexpr std::array<std::string_view, 3> names{"AVX-512", "AVX2", "SSE4"};
+  return names[instruction_set(Simd::best)];
+}
+
+Kernel kernel_for(const WideBvh& bvh, Schedule schedule, Simd simd) {
+  constexpr std::array<Kernel (*)(const WideBvh&, Schedule), 3> kernels RAYSTUDY_OF_EACH(kernel);
+  return kernels[instruction_set(simd)](bvh, schedule);
 }
 
 }  // namespace raystudy::wide

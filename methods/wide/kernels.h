@@ -15,6 +15,7 @@ struct Tree {
   const void* nodes = nullptr;  ///< of the type that the kernel is for
   const float* corners = nullptr;
   const std::uint32_t* triangles = nullptr;
+  Box bounds;
   SlabScene slabs;
   std::uint32_t height = 0;
 
@@ -23,8 +24,8 @@ struct Tree {
 
 /// Decides a triangle that the signs of the rounded edge functions did not rule out: triangle `i` of the leaf of `n` at `rows`.
 /// Takes it into `hit` where it is nearer, or as near and of a lower index; true where it was.
-bool finish_triangle(const float* rows, std::uint32_t n, std::uint32_t i, std::uint32_t triangle, const WideRay& ray, float tmin,
-                     Hit& hit);
+bool finish_triangle(const float* rows, std::uint32_t n, std::uint32_t i, std::uint32_t triangle, const TriangleRay& ray,
+                     float tmin, Hit& hit);
 
 /// The traversal of one kind of node in one instruction set.
 struct Kernel {
@@ -38,6 +39,8 @@ enum class Simd : std::uint8_t { best, avx2 };
 /// One ray after another, or many in turns.
 enum class Schedule : std::uint8_t { one_by_one, in_turns };
 
+/// Which of the functions of RAYSTUDY_OF_EACH (targets.h) `simd` means here. Throws Error where the processor lacks it.
+[[nodiscard]] std::size_t instruction_set(Simd simd);
 /// Throws Error where the processor lacks `simd`.
 [[nodiscard]] Kernel kernel_for(const WideBvh& bvh, Schedule schedule, Simd simd);
 /// "AVX-512", "AVX2", "SSE4": what kernel_for(…, Simd::best) takes here.

@@ -118,7 +118,7 @@ struct ShearVectors {
   using V = hn::Vec<D>;
   V ox, oy, oz, sx, sy;
 
-  HWY_INLINE ShearVectors(D d, const WideRay& ray)
+  HWY_INLINE ShearVectors(D d, const TriangleRay& ray)
       : ox(hn::Set(d, ray.origin[0])),
         oy(hn::Set(d, ray.origin[1])),
         oz(hn::Set(d, ray.origin[2])),
@@ -133,7 +133,7 @@ struct ShearVectors {
 struct Depths {
   float low, high, inner_low, inner_high;
 
-  HWY_INLINE Depths(const WideRay& ray, float tmin, float tmax) {
+  HWY_INLINE Depths(const TriangleRay& ray, float tmin, float tmax) {
     constexpr float largest = std::numeric_limits<float>::max();
     const float a = tmin * ray.direction_along;
     const float b = std::clamp(tmax * ray.direction_along, -largest, largest);
@@ -152,7 +152,7 @@ struct Depths {
 /// depth; the few that are left are decided one by one, with the very roundings of the scalar test. Signs that are not 0 are
 /// right, which for an any hit decides most triangles at once. True where a nearer hit was found.
 template <bool any, class D>
-HWY_INLINE bool test_leaf(D d, const Tree& tree, std::uint32_t child, const WideRay& ray, const ShearVectors<D>& shear,
+HWY_INLINE bool test_leaf(D d, const Tree& tree, std::uint32_t child, const TriangleRay& ray, const ShearVectors<D>& shear,
                           float tmin, Hit& hit) {
   const std::uint32_t first = WideChild::first(child);
   const std::uint32_t n = WideChild::count(child);

@@ -27,6 +27,14 @@ struct SlabScene {
   }
 };
 
+/// A ray made ready for tests of triangles: its axes, and what shears them. See ShearedRay in harness/geometry/watertight.h.
+struct TriangleRay {
+  int across, up, along;
+  std::array<float, 3> origin;  ///< along `across`, `up` and `along`
+  float shear_across, shear_up;
+  float direction_along;
+};
+
 /// A ray made ready for tests of many boxes by one fused multiply-add a plane: t = plane · reciprocal - offset. No box is missed
 /// that holds a triangle which the watertight test (harness/geometry/watertight.h) accepts.
 ///
@@ -38,7 +46,7 @@ struct SlabScene {
 ///   6 u (|origin| + reach_i)     the offset's two roundings and, without fused instructions, that of the product
 /// A component of the direction that is 0 or tiny is replaced by one so small that it moves the ray, within the scene, by less
 /// than the displacement; so every reciprocal is finite and no product is NaN.
-struct WideRay {
+struct WideRay : TriangleRay {
   // One value an axis; the fourth is not used.
   alignas(16) std::array<float, 4> reciprocal;
   alignas(16) std::array<float, 4> near_offset;
@@ -46,12 +54,6 @@ struct WideRay {
   unsigned negative;  ///< bit i: along axis i upper planes are entered first
   float scale = 1;    ///< t of the boxes over t of the ray; a power of two
   bool valid;         ///< finite, a direction that is not zero, 0 <= tmin <= tmax; a ray that is not valid hits nothing
-
-  // The watertight test's part: see ShearedRay in harness/geometry/watertight.h.
-  int across, up, along;
-  std::array<float, 3> origin;  ///< along `across`, `up` and `along`
-  float shear_across, shear_up;
-  float direction_along;
 
   WideRay(const Ray& ray, const SlabScene& scene) {
     const __m128 sign = _mm_set1_ps(-0.0F);
