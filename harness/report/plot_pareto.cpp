@@ -125,8 +125,10 @@ void add_labels(const Panel& panel, const LogAxis& x, const LogAxis& y, const Js
   std::stable_sort(order.begin(), order.end(), [](const Contender* a, const Contender* b) { return a->on_front > b->on_front; });
   const auto pixels = [&](double build, double trace) { return PanelPoint{x.pixel(build), panel_height - y.pixel(trace)}; };
   std::vector<LabelRequest> requests;
+  requests.reserve(order.size());
   for (const Contender* c : order) requests.push_back({pixels(c->build, c->trace), c->method});
   std::vector<PanelPoint> curve;
+  curve.reserve(2 * order.size());
   for (const auto& [build, trace] : stairs(panel.contenders)) curve.push_back(pixels(build, trace));
   const std::vector<PlacedLabel> placed = place_labels(requests, curve, {panel_width, panel_height, font_size, 6});
   Json texts = Json::array();
