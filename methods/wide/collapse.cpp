@@ -14,11 +14,11 @@ bool is_parents_first(const Bvh2& bvh) {
   return true;
 }
 
-std::vector<std::uint32_t> children_first(const Bvh2& bvh) {
+std::vector<std::uint32_t> children_first(const Bvh2& bvh, std::uint32_t root) {
   std::vector<std::uint32_t> order;
   if (bvh.empty()) return order;
-  order.reserve(bvh.nodes.size() - 1);
-  order.push_back(0);
+  if (root == 0) order.reserve(bvh.nodes.size() - 1);
+  order.push_back(root);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Bvh2Node& node = bvh.nodes[order[i]];
     if (node.is_leaf()) continue;
@@ -27,6 +27,28 @@ std::vector<std::uint32_t> children_first(const Bvh2& bvh) {
   }
   std::reverse(order.begin(), order.end());
   return order;
+}
+
+TreeCut cut_into(const Bvh2& bvh, std::size_t subtrees) {
+  TreeCut cut;
+  cut.roots.push_back(0);
+  std::vector<std::uint32_t> level;
+  for (std::size_t before = 0; cut.roots.size() != before && cut.roots.size() < subtrees;) {
+    before = cut.roots.size();
+    level.swap(cut.roots);
+    cut.roots.clear();
+    for (const std::uint32_t n : level) {
+      const Bvh2Node& node = bvh.nodes[n];
+      if (node.is_leaf()) {
+        cut.roots.push_back(n);
+      } else {
+        cut.above.push_back(n);
+        cut.roots.push_back(node.first);
+        cut.roots.push_back(node.first + 1);
+      }
+    }
+  }
+  return cut;
 }
 
 template <int W>

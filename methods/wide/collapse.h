@@ -1,11 +1,14 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "harness/accel/bvh2.h"
+#include "harness/base/parallel.h"
 #include "harness/method/cost_model.h"
 
 namespace raystudy::wide {
@@ -27,9 +30,9 @@ class OptimalCollapse {
  public:
   static constexpr std::size_t width = W;
 
-  /// `bvh` must outlive this.
+  /// `bvh` must outlive this. On the threads around the call where `threads` is not 1; the result is the same.
   template <class M>
-  OptimalCollapse(const Bvh2& bvh, const M& measure, const CollapseCosts& costs);
+  OptimalCollapse(const Bvh2& bvh, const M& measure, const CollapseCosts& costs, int threads = 1);
 
   /// The nodes that become the children of the wide node made of inner node `n`; returns how many they are, from 2 to W.
   std::uint32_t children(std::uint32_t n, std::array<std::uint32_t, width>& out) const;
@@ -54,23 +57,38 @@ class OptimalCollapse {
 
   const Bvh2& bvh_;
   CollapseCosts costs_;
-  std::vector<State> states_;
+  std::unique_ptr<State[]> states_;  // NOLINT(modernize-avoid-c-arrays): left as it is until each is solved, by whichever thread
 };
 
-/// The indices of `bvh`'s nodes so that each stands after its children.
-[[nodiscard]] std::vector<std::uint32_t> children_first(const Bvh2& bvh);
+/// The indices of the nodes of `bvh`, or of the subtree at `root`, so that each stands after its children.
+[[nodiscard]] std::vector<std::uint32_t> children_first(const Bvh2& bvh, std::uint32_t root = 0);
+/// A tree cut into subtrees.
+struct TreeCut {
+  std::vector<std::uint32_t> above;  ///< inner nodes that are in no subtree, parents first
+  std::vector<std::uint32_t> roots;
+};
+/// Level by level, until there are `subtrees` or more, or only leaves.
+[[nodiscard]] TreeCut cut_into(const Bvh2& bvh, std::size_t subtrees);
 /// True where every node stands before its children already, as builders leave them.
 [[nodiscard]] bool is_parents_first(const Bvh2& bvh);
 
 template <int W>
 template <class M>
-OptimalCollapse<W>::OptimalCollapse(const Bvh2& bvh, const M& measure, const CollapseCosts& costs)
-    : bvh_(bvh), costs_(costs), states_(bvh.nodes.size()) {
+OptimalCollapse<W>::OptimalCollapse(const Bvh2& bvh, const M& measure, const CollapseCosts& costs, int threads)
+    : bvh_(bvh),
+      costs_(costs),
+      states_(std::make_unique_for_overwrite<State[]>(bvh.nodes.size())) {  // NOLINT(modernize-avoid-c-arrays)
   const auto solve_measured = [&](std::uint32_t n) {
     states_[n].measure = measure(bvh.nodes[n].box);
     solve(n);
   };
-  if (is_parents_first(bvh)) {
+  if (threads > 1 && !bvh.empty()) {
+    const TreeCut cut = cut_into(bvh, std::size_t{64} * static_cast<std::size_t>(threads));
+    parallel_for_indices(cut.roots.size(), [&](std::size_t i) {
+      for (const std::uint32_t n : children_first(bvh, cut.roots[i])) solve_measured(n);
+    });
+    std::for_each(cut.above.rbegin(), cut.above.rend(), solve_measured);
+  } else if (is_parents_first(bvh)) {
     for (auto n = static_cast<std::uint32_t>(bvh.nodes.size()); n-- > 0;) {
       if (n != 1) solve_measured(n);
     }

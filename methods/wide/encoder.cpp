@@ -36,14 +36,21 @@ class WideEncoder final : public Encoder {
 
   [[nodiscard]] std::unique_ptr<Accel> encode(const Bvh2& bvh, const Scene& scene, const BuildContext& context) const override {
     auto wide = std::make_unique<WideBvh>();
-    visit_measure(*context.cost.measure, [&](const auto& measure) {
-      const OptimalCollapse<W> collapse(bvh, measure, costs_);
-      if (quantized_) {
-        WideWriter<QuantizedNode<W>, OptimalCollapse<W>>(bvh, scene, collapse).write(*wide);
-      } else {
-        WideWriter<WideNode<W>, OptimalCollapse<W>>(bvh, scene, collapse).write(*wide);
-      }
-    });
+    const auto encode_all = [&] {
+      visit_measure(*context.cost.measure, [&](const auto& measure) {
+        const OptimalCollapse<W> collapse(bvh, measure, costs_, context.threads);
+        if (quantized_) {
+          WideWriter<QuantizedNode<W>, OptimalCollapse<W>>(bvh, scene, collapse).write(*wide, context.threads);
+        } else {
+          WideWriter<WideNode<W>, OptimalCollapse<W>>(bvh, scene, collapse).write(*wide, context.threads);
+        }
+      });
+    };
+    if (context.threads > 1) {
+      with_threads(context.threads, encode_all);
+    } else {
+      encode_all();
+    }
     return wide;
   }
 

@@ -85,11 +85,14 @@ SlotOrders<W> slot_orders(std::span<const Box> boxes) {
   return orders;
 }
 
+void check_triangle_count(std::size_t count) {
+  if (count <= WideChild::most_first) return;
+  throw Error(fmt::format("a wide tree can refer to {} triangles at most; this one has more", WideChild::most_first));
+}
+
 std::uint32_t append_leaf(WideBvh& bvh, const Scene& scene, std::span<const std::uint32_t> triangles) {
   const std::size_t first = bvh.triangles.size();
-  if (first + triangles.size() > WideChild::most_first) {
-    throw Error(fmt::format("a wide tree can refer to {} triangles at most; this one has more", WideChild::most_first));
-  }
+  check_triangle_count(first + triangles.size());
   const std::size_t n = triangles.size();
   bvh.corners.resize(9 * (first + n));
   float* const rows = bvh.corners.data() + 9 * first;

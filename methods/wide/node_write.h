@@ -19,6 +19,9 @@ void set_boxes(QuantizedNode<W>& node, std::span<const Box> boxes);
 template <int W>
 [[nodiscard]] SlotOrders<W> slot_orders(std::span<const Box> boxes);
 
+/// Throws Error past the 2^27 triangles a tree can hold.
+void check_triangle_count(std::size_t count);
+
 /// Appends a leaf of 1 to 16 triangles with their corners (before the padding is there) and returns the slot's content. Throws
 /// Error past the 2^27 triangles a tree can hold.
 std::uint32_t append_leaf(WideBvh& bvh, const Scene& scene, std::span<const std::uint32_t> triangles);

@@ -169,6 +169,36 @@ TEST(WideRay, IsShearedAsTheScalarTestDoes) {
   }
 }
 
+/// Node for node and triangle for triangle, where subtrees are small enough to be tasks and where the tree has one leaf.
+TEST(Encoding, IsTheSameForAnyThreads) {
+  const Registry& registry = Registry::instance();
+  for (const int triangles : {1, 40, 3000}) {
+    const Scene scene = test::soup(triangles, 0.3F, 1);
+    for (const std::uint32_t leaf_triangles : {1U, 5U, 60U}) {
+      const Bvh2 bvh = test::random_tree(scene, 4, leaf_triangles);
+      for (const char* name : {"bvh4", "bvh8", "bvh16"}) {
+        for (const char* boxes : {"float", "8-bit"}) {
+          const auto encoder = registry.create<Encoder>(registry.ref(Role::encoder, name, {{"boxes", std::string(boxes)}}));
+          const auto encoded = [&](int threads) {
+            BuildContext context;
+            context.threads = threads;
+            auto accel = encoder->encode(bvh, scene, context);
+            return std::unique_ptr<WideBvh>(dynamic_cast<WideBvh*>(accel.release()));
+          };
+          const auto one = encoded(1);
+          for (const int threads : {2, 3}) {
+            const auto many = encoded(threads);
+            EXPECT_TRUE(one->nodes == many->nodes) << name << " " << boxes << " " << triangles;
+            EXPECT_EQ(one->triangles, many->triangles);
+            EXPECT_TRUE(one->corners == many->corners);
+            EXPECT_EQ(one->height, many->height);
+          }
+        }
+      }
+    }
+  }
+}
+
 struct Case {
   std::string encoder;
   Changes encoding;
