@@ -109,54 +109,7 @@ void BinnedSplitter::fill_shared(std::span<const BoxRecord> records, const Binni
   for (const auto& part : parts) bins_.merge(*part, row_);
 }
 
-namespace {
-
-/// `left` and the sums of it with one, two, three and four of the counts.
-hn::Vec<Int4> running_sums(hn::Vec<Int4> left, const std::int32_t* counts) {
-  const Int4 di;
-  auto sums = hn::LoadU(di, counts);
-  sums = hn::Add(sums, hn::ShiftLeftLanes<1>(di, sums));
-  sums = hn::Add(sums, hn::ShiftLeftLanes<2>(di, sums));
-  return hn::Add(left, sums);
-}
-
-}  // namespace
-
-/// The least cost so far in each of four lanes; of equal costs the first.
-struct BinnedSplitter::LeastCosts {
-  hn::Vec<Float4> cost = hn::Set(Float4(), std::numeric_limits<float>::infinity());
-  hn::Vec<Int4> at = hn::Zero(Int4());    ///< the bin before the split, by index into Bins
-  hn::Vec<Int4> left = hn::Zero(Int4());  ///< triangles of the left side
-
-  /// Takes in the splits after bins `first` to `first + 3`; `lefts` and `rights` are the triangles on either side.
-  void consider(std::uint32_t first, hn::Vec<Float4> left_measures, hn::Vec<Float4> right_measures, hn::Vec<Int4> lefts,
-                hn::Vec<Int4> rights) {
-    const Float4 d;
-    const Int4 di;
-    const auto c = hn::Add(hn::Mul(left_measures, hn::ConvertTo(d, lefts)), hn::Mul(right_measures, hn::ConvertTo(d, rights)));
-    const auto some = hn::And(hn::Gt(lefts, hn::Zero(di)), hn::Gt(rights, hn::Zero(di)));
-    const auto less = hn::And(hn::Lt(c, cost), hn::RebindMask(d, some));
-    const auto less_i = hn::RebindMask(di, less);
-    cost = hn::IfThenElse(less, c, cost);
-    at = hn::IfThenElse(less_i, hn::Iota(di, static_cast<std::int32_t>(first)), at);
-    left = hn::IfThenElse(less_i, lefts, left);
-  }
-
-  [[nodiscard]] Choice choice(std::uint32_t row) const {
-    const auto costs = std::bit_cast<std::array<float, 4>>(cost);
-    const auto ats = std::bit_cast<std::array<std::uint32_t, 4>>(at);
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < 4; ++i) {
-      const bool better = (costs[i] < costs[best]) | ((costs[i] == costs[best]) & (ats[i] < ats[best]));
-      best = better ? i : best;
-    }
-    if (!(costs[best] < std::numeric_limits<float>::infinity())) return {};
-    return {static_cast<int>(ats[best] / row), static_cast<std::int32_t>(ats[best] % row) + 1,
-            std::bit_cast<std::array<std::int32_t, 4>>(left)[best]};
-  }
-};
-
-BinnedSplitter::Choice BinnedSplitter::best_choice(const SurfaceArea&, std::int32_t n) {
+BinChoice BinnedSplitter::best_choice(const SurfaceArea&, std::int32_t n) {
   const Float4 d;
   const Int4 di;
   const BoxRecord* boxes = bins_.boxes.data();
@@ -182,7 +135,7 @@ BinnedSplitter::Choice BinnedSplitter::best_choice(const SurfaceArea&, std::int3
   return least.choice(row_size);
 }
 
-BinnedSplitter::Choice BinnedSplitter::best_choice(const Measure& measure, std::int32_t n) {
+BinChoice BinnedSplitter::best_choice(const Measure& measure, std::int32_t n) {
   const Float4 d;
   const Int4 di;
   const std::uint32_t size = 3 * row_;
@@ -229,7 +182,7 @@ Split BinnedSplitter::split(std::span<const BoxRecord> records, const NodeBounds
     }
   }
   const auto triangles = static_cast<std::int32_t>(n);
-  const Choice choice = surface_area_ != nullptr ? best_choice(*surface_area_, triangles) : best_choice(*measure_, triangles);
+  const BinChoice choice = surface_area_ != nullptr ? best_choice(*surface_area_, triangles) : best_choice(*measure_, triangles);
   if (choice.axis < 0) return {{.axis = bounds.box.box().longest_axis()}, 0};
   return {binning.plane(choice.axis, choice.bin), static_cast<std::uint32_t>(choice.left)};
 }
@@ -256,6 +209,10 @@ FewSet few_at_median(const FewBoxes& boxes, FewSet set) {
 }
 
 }  // namespace
+
+std::array<WideBox, 2> BinnedSplitter::sides(const Plane& plane) const {
+  return bin_sides(&bins_.boxes[static_cast<std::size_t>(plane.axis) * row_], row_, static_cast<std::uint32_t>(plane.bound));
+}
 
 FewSet BinnedSplitter::split_few(const FewBoxes& boxes, FewSet set) const {
   const Float4 d;

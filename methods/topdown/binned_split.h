@@ -1,12 +1,13 @@
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
 #include "harness/method/cost_model.h"
+#include "methods/topdown/bin_sweep.h"
 #include "methods/topdown/record_build.h"
 
 namespace raystudy::topdown {
@@ -22,6 +23,8 @@ class BinnedSplitter {
   BinnedSplitter(const Measure& measure, std::uint32_t bins, int threads);
 
   [[nodiscard]] Split split(std::span<const BoxRecord> records, const NodeBounds& bounds);
+  /// The union of the boxes on either side of the plane that `split` has just found.
+  [[nodiscard]] std::array<WideBox, 2> sides(const Plane& plane) const;
   [[nodiscard]] FewSet split_few(const FewBoxes& boxes, FewSet set) const;
 
  private:
@@ -59,19 +62,12 @@ class BinnedSplitter {
     hn::Vec<Int4> row;
   };
 
-  struct Choice {
-    int axis = -1;          ///< none: no split tells the triangles apart
-    std::int32_t bin = 0;   ///< the first of the right side
-    std::int32_t left = 0;  ///< triangles of the left side
-  };
-
   static void fill(Bins& bins, std::span<const BoxRecord> records, const Binning& binning);
   void fill_alternating(std::span<const BoxRecord> records, const Binning& binning);
   void fill_shared(std::span<const BoxRecord> records, const Binning& binning);
-  struct LeastCosts;
   /// Of splits between neighbouring bins of `n` triangles.
-  [[nodiscard]] Choice best_choice(const SurfaceArea&, std::int32_t n);
-  [[nodiscard]] Choice best_choice(const Measure& measure, std::int32_t n);
+  [[nodiscard]] BinChoice best_choice(const SurfaceArea&, std::int32_t n);
+  [[nodiscard]] BinChoice best_choice(const Measure& measure, std::int32_t n);
 
   const Measure* measure_;
   const SurfaceArea* surface_area_;  ///< measure_, if it is that

@@ -43,11 +43,15 @@ struct WideBox {
   [[nodiscard]] static WideBox of(const BoxRecord& record) {
     return {hn::Load(Float8(), reinterpret_cast<const float*>(&record))};
   }
+  [[nodiscard]] static WideBox of(hn::Vec<Float4> lower, hn::Vec<Float4> negated_upper) {
+    return {hn::Combine(Float8(), negated_upper, lower)};
+  }
   [[nodiscard]] static WideBox empty() { return {hn::Set(Float8(), std::numeric_limits<float>::infinity())}; }
   void store(BoxRecord& record) const { hn::Store(bounds, Float8(), reinterpret_cast<float*>(&record)); }
   [[nodiscard]] hn::Vec<Float4> lower() const { return hn::LowerHalf(Float4(), bounds); }
   [[nodiscard]] hn::Vec<Float4> negated_upper() const { return hn::UpperHalf(Float4(), bounds); }
   [[nodiscard]] friend WideBox united(const WideBox& a, const WideBox& b) { return {hn::Min(a.bounds, b.bounds)}; }
+  [[nodiscard]] friend WideBox common(const WideBox& a, const WideBox& b) { return {hn::Max(a.bounds, b.bounds)}; }
 #else
 /// A box in two vector registers, laid out as BoxRecord; the fourth lanes are meaningless.
 struct WideBox {
@@ -57,6 +61,7 @@ struct WideBox {
     const auto* p = reinterpret_cast<const float*>(&record);
     return {{hn::Load(Float4(), p), hn::Load(Float4(), p + 4)}};
   }
+  [[nodiscard]] static WideBox of(hn::Vec<Float4> lower, hn::Vec<Float4> negated_upper) { return {{lower, negated_upper}}; }
   [[nodiscard]] static WideBox empty() {
     const auto infinity = hn::Set(Float4(), std::numeric_limits<float>::infinity());
     return {{infinity, infinity}};
@@ -71,7 +76,16 @@ struct WideBox {
   [[nodiscard]] friend WideBox united(const WideBox& a, const WideBox& b) {
     return {{hn::Min(a.halves[0], b.halves[0]), hn::Min(a.halves[1], b.halves[1])}};
   }
+  [[nodiscard]] friend WideBox common(const WideBox& a, const WideBox& b) {
+    return {{hn::Max(a.halves[0], b.halves[0]), hn::Max(a.halves[1], b.halves[1])}};
+  }
 #endif
+
+  /// Whether it holds no point, as what two boxes have in common may.
+  [[nodiscard]] bool is_empty() const {
+    const Float4 d;
+    return !hn::AllFalse(d, hn::And(hn::Gt(lower(), hn::Neg(negated_upper())), hn::FirstN(d, 3)));
+  }
 
   [[nodiscard]] Box box() const {
     BoxRecord r;

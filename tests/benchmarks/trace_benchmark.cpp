@@ -16,52 +16,14 @@
 #include "harness/method/registry.h"
 #include "harness/run/oracle.h"
 #include "harness/scene/open.h"
+#include "tests/benchmarks/method_text.h"
 
 namespace raystudy {
 namespace {
 
-using Changes = std::map<std::string, ParamValue, std::less<>>;
-
-std::vector<std::string> split(std::string_view text, char separator) {
-  std::vector<std::string> parts;
-  while (!text.empty()) {
-    const std::size_t at = std::min(text.find(separator), text.size());
-    parts.emplace_back(text.substr(0, at));
-    text.remove_prefix(std::min(at + 1, text.size()));
-  }
-  return parts;
-}
-
-ParamValue value_of(const ParamSpec& spec, const std::string& text) {
-  switch (spec.type) {
-    case ParamType::boolean: return text == "true";
-    case ParamType::integer: return std::int64_t{std::stoll(text)};
-    case ParamType::real: return std::stod(text);
-    default: return text;
-  }
-}
-
-/// NAME or NAME(key=value;…) of any of the roles; the first that has the name.
-std::pair<Role, MethodRef> method(const std::string& text, std::initializer_list<Role> roles) {
-  const std::size_t open = text.find('(');
-  const std::string name = text.substr(0, open);
-  const Registry& registry = Registry::instance();
-  for (const Role role : roles) {
-    const Registry::Entry* entry = registry.find(role, name);
-    if (entry == nullptr) continue;
-    Changes changes;
-    if (open != std::string::npos) {
-      for (const std::string& change : split(text.substr(open + 1, text.size() - open - 2), ';')) {
-        const std::string key = change.substr(0, change.find('='));
-        for (const ParamSpec& spec : entry->info.params) {
-          if (spec.name == key) changes[key] = value_of(spec, change.substr(key.size() + 1));
-        }
-      }
-    }
-    return {role, registry.ref(role, name, std::move(changes))};
-  }
-  return {*roles.begin(), registry.ref(*roles.begin(), name)};  // throws, with the nearest name
-}
+using benchmarks::Changes;
+using benchmarks::method;
+using benchmarks::split;
 
 Scene benchmark_scene() {
   if (const char* name = std::getenv("RAYSTUDY_BENCHMARK_SCENE")) return open_scene(name, 80000);
@@ -144,7 +106,7 @@ int main(int argc, char** argv) {
     const std::string_view pipelines =
         named != nullptr ? named : "sweep-sah/scalar,sweep-sah+bvh8/wide,embree(quality=high)/embree";
     for (const std::string workload : {"primary", "random", "ambient-occlusion"}) {
-      for (const std::string& pipeline : raystudy::split(pipelines, ',')) {
+      for (const std::string& pipeline : raystudy::benchmarks::split(pipelines, ',')) {
         const std::size_t slash = pipeline.rfind('/');
         benchmark::RegisterBenchmark((workload + " " + pipeline).c_str(), trace, pipeline.substr(0, slash),
                                      pipeline.substr(slash + 1), workload)
