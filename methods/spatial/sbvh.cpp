@@ -14,7 +14,7 @@ std::vector<ParamSpec> sbvh_params() {
                  "spatial splits are tried where the sides of the best object split overlap by more than this share of the "
                  "root's measure",
                  0, 1),
-      real_param("budget", 1, "references more than triangles, at most, as a share of the triangles", 0, 16),
+      real_param("budget", 0.2, "references more than triangles, at most, as a share of the triangles", 0, 16),
       boolean_param("unsplitting", true, "a reference goes to one side as a whole where that costs less than to split it"),
       method_param("heuristic", Role::heuristic, "surface-area", "the measure whose cost the splits minimize")};
   for (ParamSpec& spec : topdown::LeafPolicy::params()) specs.push_back(std::move(spec));

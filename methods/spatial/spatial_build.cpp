@@ -23,8 +23,8 @@ using topdown::FewSet;
 using topdown::NodeBounds;
 
 /// A part of the tree under construction: its node, and room for `capacity` references and their nodes, as topdown::Subtree has
-/// it for `count`. What `count` leaves of it are the references that spatial splits may add below. Children share what is left in
-/// proportion to their references, so that where a node ends up depends on no thread.
+/// it for `count`. What `count` leaves of it are the references that spatial splits may add below. Children share what is left by
+/// what they are expected to cost, so that where a node ends up depends on no thread.
 struct Subtree {
   std::uint32_t node = 0;
   std::uint32_t pairs = 2;
@@ -33,7 +33,7 @@ struct Subtree {
   std::uint32_t capacity = 0;
 
   [[nodiscard]] std::uint32_t extra() const { return capacity - count; }
-  /// `weights`: what each is expected to cost.
+  /// `m`: the measures of the sides. A child of one reference is a leaf, which has no use for more.
   [[nodiscard]] std::array<Subtree, 2> children(std::uint32_t left, std::uint32_t right, const std::array<float, 2>& m) const {
     const double unused = capacity - left - right;
     const double l = (left - 1) * static_cast<double>(m[0]);

@@ -12,7 +12,7 @@ struct SpatialPolicy {
   std::uint32_t bins = 32;          ///< of box centers, an axis, at most
   std::uint32_t spatial_bins = 16;  ///< of space, an axis, at most
   float alpha = 1e-5F;              ///< spatial splits are tried where the sides overlap by more, as a share of m(root)
-  double budget = 1;                ///< references more than triangles, at most, as a share of the triangles
+  double budget = 0.2;              ///< references more than triangles, at most, as a share of the triangles
   bool unsplitting = true;
 };
 

@@ -224,7 +224,7 @@ SpatialSplit SpatialSplitter::split(std::span<const BoxRecord> records, const Wi
   if (choice.axis < 0 || !least.is_below(limit)) return {};
   const std::size_t row = static_cast<std::size_t>(choice.axis) * row_;
   const auto bin = static_cast<std::uint32_t>(choice.bin);
-  SpatialSplit split{choice.axis, binning.border(choice.axis, bin), topdown::bin_sides(&bins_.parts[row], row_, bin), {}};
+  SpatialSplit split{topdown::bin_sides(&bins_.parts[row], row_, bin), {}, choice.axis, binning.border(choice.axis, bin)};
   split.counts[0] = static_cast<std::uint32_t>(choice.left);
   for (std::uint32_t i = bin; i < row_; ++i) split.counts[1] += static_cast<std::uint32_t>(bins_.exits[row + i]);
   return split;

@@ -15,10 +15,10 @@ namespace raystudy::spatial {
 
 /// A plane through a node, and what is on either side of it: references that cross it count on both, with a part each.
 struct SpatialSplit {
-  int axis = -1;  ///< none: no plane divides the references
-  float at = 0;
   std::array<WideBox, 2> boxes;
   std::array<std::uint32_t, 2> counts;
+  int axis = -1;  ///< none: no plane divides the references
+  float at = 0;
 };
 
 /// The measures of up to four boxes, none of them empty, through a measure that is known or not.
