@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 
 #include "harness/base/unsupported.h"
@@ -46,6 +47,16 @@ void check_counts(TraceSession& session, std::span<const Ray> rays, Query query)
   EXPECT_EQ(again.triangle_tests, counts.triangle_tests);
 }
 
+/// Closest hits bit for bit; of any hits whether there is one, for which of them is found may depend on how rays are grouped.
+void expect_same_hits(std::span<const Hit> a, std::span<const Hit> b, Query query) {
+  if (query == Query::closest_hit) {
+    expect_same(a, b);
+  } else {
+    EXPECT_TRUE(
+        std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Hit& x, const Hit& y) { return x.is_hit() == y.is_hit(); }));
+  }
+}
+
 TEST_P(Tracers, AgreeWithTheOracle) {
   std::unique_ptr<Tracer> tracer;
   try {
@@ -71,7 +82,7 @@ TEST_P(Tracers, AgreeWithTheOracle) {
           EXPECT_TRUE(report.ok()) << report.text(rays, query);
           if (session->counts()) check_counts(*session, rays, query);
           // Embree alone is not watertight, and chooses by its coherent flag how it intersects.
-          if (threads == 2 && session->watertight()) expect_same(hits[0], hits[1]);
+          if (threads == 2 && session->watertight()) expect_same_hits(hits[0], hits[1], query);
         }
       }
     }
