@@ -6,14 +6,6 @@
 namespace raystudy {
 namespace {
 
-std::vector<ParamSpec> binned_params() {
-  std::vector<ParamSpec> specs{
-      integer_param("bins", 32, "bins an axis, at most", 2, 1024),
-      method_param("heuristic", Role::heuristic, "surface-area", "the measure whose cost the splits minimize")};
-  for (ParamSpec& spec : topdown::LeafPolicy::params()) specs.push_back(std::move(spec));
-  return specs;
-}
-
 /// Top-down construction that evaluates the splits between bins of box centers.
 class BinnedSah final : public Builder {
  public:
@@ -23,7 +15,7 @@ class BinnedSah final : public Builder {
     return {.name = "binned-sah",
             .summary = "top-down, the best split between equal bins of box centers on three axes",
             .citation = "Wald 2007, Sec. 3",
-            .params = binned_params(),
+            .params = topdown::binned_params(),
             .accel = std::string(Bvh2::kind_name)};
   }
 

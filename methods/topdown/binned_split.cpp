@@ -6,6 +6,14 @@
 
 namespace raystudy::topdown {
 
+std::vector<ParamSpec> binned_params() {
+  std::vector<ParamSpec> specs{
+      integer_param("bins", 32, "bins an axis, at most", 2, 1024),
+      method_param("heuristic", Role::heuristic, "surface-area", "the measure whose cost the splits minimize")};
+  for (ParamSpec& spec : LeafPolicy::params()) specs.push_back(std::move(spec));
+  return specs;
+}
+
 BinnedSplitter::BinnedSplitter(const Measure& measure, std::uint32_t bins, int threads)
     : measure_(&measure),
       surface_area_(dynamic_cast<const SurfaceArea*>(&measure)),

@@ -12,6 +12,9 @@
 
 namespace raystudy::topdown {
 
+/// The parameters of a builder by BinnedSplitter: `bins`, `heuristic` and those of LeafPolicy.
+[[nodiscard]] std::vector<ParamSpec> binned_params();
+
 /// Splits between equal bins of the box centers on three axes (Wald 2007, Sec. 3): of the splits between two neighbouring bins
 /// the one of least cost is taken; of equal costs the first. Nodes of few triangles have fewer bins, 4 + n / 4. Where all centers
 /// fall into one bin on every axis, the object median along the longest axis of the node's box takes its place.

@@ -35,7 +35,7 @@ struct Split {
 template <class Splitter>
 class RecordBuild {
  public:
-  RecordBuild(const Splitter& splitter, const LeafPolicy& leaves, const Measure& measure, BoxRecords& records, Bvh2& bvh,
+  RecordBuild(const Splitter& splitter, const LeafPolicy& leaves, const Measure& measure, std::span<BoxRecord> records, Bvh2& bvh,
               int threads)
       : splitter_(splitter),
         leaves_(leaves),
@@ -45,10 +45,11 @@ class RecordBuild {
         bvh_(bvh),
         threads_(threads) {}
 
-  /// Fills a tree over one triangle at least, whose arrays are allocated: 2 n nodes and n triangles.
+  /// Fills a tree over one record at least, whose arrays are allocated: 2 n nodes and n triangles. A record may be of a part of a
+  /// triangle.
   void run() {
     const auto n = static_cast<std::uint32_t>(records_.size());
-    const Part root{{0, 2, 0, n}, false, bounds_of({records_.data(), n}, threads_)};
+    const Part root{{0, 2, 0, n}, false, bounds_of(records_, threads_)};
     TaskGroup tasks;
     tasks.run([&] { build_large(root, tasks); });
     tasks.wait();
@@ -187,7 +188,7 @@ class RecordBuild {
   const LeafPolicy& leaves_;
   const Measure& measure_;
   const SurfaceArea* surface_area_;  ///< measure_, if it is that
-  BoxRecords& records_;
+  std::span<BoxRecord> records_;
   Bvh2& bvh_;
   int threads_;
 };
@@ -211,7 +212,7 @@ std::unique_ptr<Accel> build_from_records(const Scene& scene, const BuildContext
     } else {
       parallel_for_each(2, [&](std::size_t i) { i == 0 ? fill_records(scene, context.threads, records) : allocate(); });
     }
-    RecordBuild<Splitter>(splitter, leaves, measure, records, *bvh, context.threads).run();
+    RecordBuild<Splitter>(splitter, leaves, measure, {records.data(), n}, *bvh, context.threads).run();
   });
   return bvh;
 }
