@@ -94,7 +94,7 @@ class WideBvh final : public Accel {
   using Nodes = std::variant<NodeArray<WideNode<4>>, NodeArray<WideNode<8>>, NodeArray<WideNode<16>>, NodeArray<QuantizedNode<4>>,
                              NodeArray<QuantizedNode<8>>, NodeArray<QuantizedNode<16>>>;
 
-  Nodes nodes;                           ///< nodes[0] is the root, depth first; none where the scene is empty
+  Nodes nodes;                           ///< nodes[0] is the root, parents before children; none where the scene is empty
   std::vector<std::uint32_t> triangles;  ///< indices into Scene::triangles, leaf by leaf, without gaps
   AlignedVector<float> corners;          ///< see corner(); padded so that 16 floats may be read from any row
   Box bounds;                            ///< of all triangles

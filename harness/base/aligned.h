@@ -3,6 +3,7 @@
 #include <sys/mman.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <new>
 #include <type_traits>
@@ -10,26 +11,32 @@
 
 namespace raystudy {
 
-/// Allocates on cache-line boundaries, so that pairs of BVH nodes never straddle two lines. Large blocks are in huge pages where
-/// the system grants them: fewer page faults while building, fewer misses of the address translation while tracing.
+/// Which pages a large block of memory is in: huge ones where the system grants them (fewer page faults while building, fewer
+/// misses of the address translation while tracing), or normal ones in any case.
+enum class Pages : std::uint8_t { huge, normal };
+
+/// Allocates on cache-line boundaries, so that pairs of BVH nodes never straddle two lines; blocks of four megabytes and more on
+/// the boundaries of huge pages.
 template <class T>
 class AlignedAllocator {
  public:
   using value_type = T;
+  using is_always_equal = std::true_type;  // any can free what another allocated
   static constexpr std::size_t alignment = 64;
 
   AlignedAllocator() = default;
+  explicit AlignedAllocator(Pages pages) : pages_(pages) {}
   template <class U>
-  AlignedAllocator(const AlignedAllocator<U>&) noexcept {}  // NOLINT(google-explicit-constructor): allocators must convert
+  AlignedAllocator(const AlignedAllocator<U>& other) noexcept  // NOLINT(google-explicit-constructor): allocators must convert
+      : pages_(other.pages()) {}
 
   T* allocate(std::size_t n) {
     void* p = ::operator new(n * sizeof(T), alignment_of(n));
-    if (alignment_of(n) == std::align_val_t{huge_page}) {
-      ::madvise(p, n * sizeof(T), MADV_HUGEPAGE);  // a wish; refusal does no harm
-    }
+    if (alignment_of(n) == std::align_val_t{huge_page}) advise(p, n * sizeof(T));
     return static_cast<T*>(p);
   }
   void deallocate(T* p, std::size_t n) noexcept { ::operator delete(p, alignment_of(n)); }
+  [[nodiscard]] Pages pages() const { return pages_; }
   friend bool operator==(const AlignedAllocator&, const AlignedAllocator&) { return true; }
 
  private:
@@ -37,6 +44,20 @@ class AlignedAllocator {
   static std::align_val_t alignment_of(std::size_t n) {
     return std::align_val_t{n * sizeof(T) >= 2 * huge_page ? huge_page : alignment};
   }
+
+  void advise(void* p, std::size_t bytes) const {
+    if (pages_ == Pages::huge) {
+      ::madvise(p, bytes, MADV_HUGEPAGE);  // a wish; refusal does no harm
+      return;
+    }
+    // The block may be one that was freed before, huge pages and all: those are dropped, only whole ones that are the block's
+    // own.
+    const std::size_t whole = bytes - bytes % 4096;
+    ::madvise(p, whole, MADV_NOHUGEPAGE);
+    ::madvise(p, whole, MADV_DONTNEED);
+  }
+
+  Pages pages_ = Pages::huge;
 };
 
 template <class T>

@@ -60,9 +60,7 @@ std::shared_ptr<const Measure> surface_area() {
 
 double tree_cost(const Bvh2& bvh, const CostModel& model) {
   NodeList list(bvh.nodes.size());
-  for (std::size_t i = 0; i < bvh.nodes.size(); ++i) {
-    if (i != 1) list.add(bvh.nodes[i].box, bvh.nodes[i].count);  // 1: padding
-  }
+  for_each_pair(bvh, [&list](const Bvh2Node& node) { list.add(node.box, node.count); });
   return list.cost(model);
 }
 

@@ -60,8 +60,8 @@ struct CostModel {
   std::shared_ptr<const Measure> measure = surface_area();
 };
 
-/// The cost of a whole tree under `model`, summed in double in node order; 0 for an empty tree. A root of measure 0 (all
-/// triangles in one point) gives the cost of a ray that meets every box: c_T · inner nodes + c_I · triangles.
+/// The cost of a whole tree under `model`, summed in double depth first, wherever nodes lie; 0 for an empty tree. A root of
+/// measure 0 (all triangles in one point) gives the cost of a ray that meets every box: c_T · inner nodes + c_I · triangles.
 [[nodiscard]] double tree_cost(const Bvh2& bvh, const CostModel& model);
 /// The same of a wide tree, in which an inner node's box is that of the slot which refers to it.
 [[nodiscard]] double tree_cost(const WideBvh& bvh, const CostModel& model);

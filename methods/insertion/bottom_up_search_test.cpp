@@ -12,11 +12,9 @@ namespace {
 
 const SurfaceArea area;
 
-/// [from, to] x [0, 1] x [0, 1], of half area 2 (to - from) + 1.
-Box bar(float from, float to) { return {{from, 0, 0}, {to, 1, 1}}; }
-
-Bvh2Node leaf(const Box& box, std::uint32_t first) { return {box, first, 1}; }
-Bvh2Node inner(const Box& box, std::uint32_t children) { return {box, children, 0}; }
+using test::bar;
+using test::inner;
+using test::leaf;
 
 /// root (P, Q), P (A = [0, 1], D = [12, 13]), Q (C = [10, 11], B = [2, 3]): records 1, 2 and 3.
 Bvh2 crossed_bars() {

@@ -12,8 +12,7 @@ namespace {
 const SurfaceArea area;
 const auto every = [](Candidate) { return true; };
 
-/// [from, to] x [0, 1] x [0, 1], of half area 2 (to - from) + 1.
-Box bar(float from, float to) { return {{from, 0, 0}, {to, 1, 1}}; }
+using test::bar;
 
 /// root (P, C), P (A, B): records 1 and 2; C stands at slot 3, A at 4, B at 5.
 PairTree three_bars() {

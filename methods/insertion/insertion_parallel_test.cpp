@@ -22,7 +22,7 @@ Changes paper() {
           {"batch", std::int64_t{1'000'000'000}}};
 }
 
-Box bar(float from, float to) { return {{from, 0, 0}, {to, 1, 1}}; }
+using test::bar;
 
 /// root (P, Q), P (X, B), Q (Y, D), X (A0, A1), Y (C0, C1): records 1 to 5; X stands at slot 4, Y at 8.
 PairTree two_by_two() {

@@ -12,11 +12,9 @@ namespace {
 
 const SurfaceArea area;
 
-/// [from, to] x [0, 1] x [0, 1], of half area 2 (to - from) + 1.
-Box bar(float from, float to) { return {{from, 0, 0}, {to, 1, 1}}; }
-
-Bvh2Node leaf(const Box& box, std::uint32_t first) { return {box, first, 1}; }
-Bvh2Node inner(const Box& box, std::uint32_t children) { return {box, children, 0}; }
+using test::bar;
+using test::inner;
+using test::leaf;
 
 /// Nodes over the bars A = [0, 1] and B = [2, 3]; and over C = [10, 11] and D = [12, 13]. P = (A, B), Q = (C, D), root = (P, Q).
 /// In the PairTree the root's record is 1, P's is 2 and Q's is 3.

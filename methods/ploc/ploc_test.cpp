@@ -34,8 +34,7 @@ std::uint32_t depth_of(const Bvh2& bvh) {
   return deepest;
 }
 
-/// [from, to] x [0, 1] x [0, 1], of half area 2 (to - from) + 1.
-Box bar(float from, float to) { return {{from, 0, 0}, {to, 1, 1}}; }
+using test::bar;
 
 /// Twice the surface area: every comparison comes out as with the surface area, but through the path of any measure.
 class TwiceArea final : public Measure {

@@ -14,8 +14,7 @@ namespace {
 const SurfaceArea area;
 constexpr double never = std::numeric_limits<double>::infinity();
 
-/// [from, to] x [0, 1] x [0, 1], of half area 2 (to - from) + 1.
-Box bar(float from, float to) { return {{from, 0, 0}, {to, 1, 1}}; }
+using test::bar;
 
 /// Children l = ([0, 1], [10, 11]) and r = ([2, 3], [12, 13]), of half area 23 each. The root's record is 1, l's 2, r's 3.
 Bvh2 interleaved_bars() {

@@ -1,6 +1,7 @@
 #include <string>
 #include <utility>
 
+#include "harness/accel/node_order.h"
 #include "harness/method/registry.h"
 #include "methods/wide/collapse.h"
 #include "methods/wide/wide_writer.h"
@@ -17,7 +18,9 @@ class WideEncoder final : public Encoder {
                .leaf = static_cast<float>(params.real("leaf_cost")),
                .triangle = static_cast<float>(params.real("triangle_cost")),
                .most_in_leaf = static_cast<std::uint32_t>(params.integer("max_leaf_triangles"))},
-        quantized_(params.text("boxes") == "8-bit") {}
+        quantized_(params.text("boxes") == "8-bit"),
+        order_(node_order(params.text("layout"))),
+        pages_(pages(params.text("pages"))) {}
 
   static MethodInfo info() {
     const std::string w = std::to_string(W);
@@ -30,7 +33,9 @@ class WideEncoder final : public Encoder {
                                  WideChild::most_in_leaf),
                    real_param("node_cost", 1, "what a ray pays for an inner node, with the test of its children's boxes", 0, 1e6),
                    real_param("leaf_cost", 0.6, "what it pays for a leaf", 0, 1e6),
-                   real_param("triangle_cost", 0.1, "what it pays for each triangle of a leaf", 0, 1e6)},
+                   real_param("triangle_cost", 0.1, "what it pays for each triangle of a leaf", 0, 1e6),
+                   choice_param("layout", node_order_names(), "which nodes lie next to each other in memory"),
+                   choice_param("pages", pages_names(), "of memory: huge ones where the system grants them, or normal ones")},
         .accel = std::string(WideBvh::kind_name)};
   }
 
@@ -51,12 +56,15 @@ class WideEncoder final : public Encoder {
     } else {
       encode_all();
     }
+    if (order_ != NodeOrder::preorder || pages_ != Pages::huge) arrange(*wide, order_, pages_);  // else it is so already
     return wide;
   }
 
  private:
   CollapseCosts costs_;
   bool quantized_;
+  NodeOrder order_;
+  Pages pages_;
 };
 
 const Registration<WideEncoder<4>> bvh4;

@@ -1,6 +1,7 @@
 // Rays a second, one thread: every pipeline of RAYSTUDY_BENCHMARK_PIPELINES on every workload, on the scene that
-// RAYSTUDY_BENCHMARK_SCENE names (default: sibenik-ogre where it is installed, else a procedural atrium of 80 000 triangles).
-// Pipelines are separated by commas, and written BUILDER+OPTIMIZER…+ENCODER/TRACER; each of these is NAME or NAME(key=value;…).
+// RAYSTUDY_BENCHMARK_SCENE names, NAME or NAME:TRIANGLES of a procedural one (default: sibenik-ogre where it is installed, else a
+// procedural atrium of 80 000 triangles). Pipelines are separated by commas, and written BUILDER+OPTIMIZER…+ENCODER/TRACER; each
+// of these is NAME or NAME(key=value;…).
 //   RAYSTUDY_BENCHMARK_PIPELINES='sweep-sah+bvh8/wide,embree(quality=high)/embree(width=16)' trace_benchmark
 //     --benchmark_enable_random_interleaving=true --benchmark_repetitions=5 --benchmark_report_aggregates_only=true
 
@@ -26,7 +27,10 @@ using benchmarks::method;
 using benchmarks::split;
 
 Scene benchmark_scene() {
-  if (const char* name = std::getenv("RAYSTUDY_BENCHMARK_SCENE")) return open_scene(name, 80000);
+  if (const char* named = std::getenv("RAYSTUDY_BENCHMARK_SCENE")) {
+    const std::vector<std::string> parts = split(named, ':');
+    return open_scene(parts[0], parts.size() > 1 ? std::stoll(parts[1]) : 80000);
+  }
   try {
     return open_scene("sibenik-ogre");
   } catch (const SceneNotInstalled&) {

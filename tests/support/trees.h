@@ -47,6 +47,13 @@ inline std::vector<Box> random_boxes(std::size_t count, std::uint64_t seed) {
   return boxes;
 }
 
+/// [from, to] x [0, 1] x [0, 1], of half area 2 (to - from) + 1.
+inline Box bar(float from, float to) { return {{from, 0, 0}, {to, 1, 1}}; }
+
+/// Nodes of trees by hand: a leaf of one triangle, and an inner node with children at `children`.
+inline Bvh2Node leaf(const Box& box, std::uint32_t first) { return {box, first, 1}; }
+inline Bvh2Node inner(const Box& box, std::uint32_t children) { return {box, children, 0}; }
+
 /// A valid but bad tree: the triangles in random order, split at random places, up to `leaf_triangles` a leaf.
 class RandomTree {
  public:
