@@ -18,6 +18,9 @@ class EveryOptimizer : public testing::TestWithParam<std::string> {
   }
 };
 
+/// Whether the optimizer only moves nodes in memory, so that it neither lowers the cost nor asks for its measure.
+bool keeps_the_tree(const std::string& name) { return name == "layout"; }
+
 std::string test_name(const testing::TestParamInfo<std::string>& test) {
   std::string name = test.param;
   std::replace(name.begin(), name.end(), '-', '_');
@@ -38,9 +41,13 @@ TEST_P(EveryOptimizer, GivesBackAValidTreeThatCostsNoMore) {
       make()->optimize(bvh, scene, context);
       EXPECT_THAT(find_problems(bvh, scene), testing::IsEmpty());
       const double after = tree_cost(bvh, {});
-      EXPECT_LE(after, before);
-      if (count >= 100) {
-        EXPECT_LT(after, before);
+      if (keeps_the_tree(GetParam())) {
+        EXPECT_NEAR(after, before, 1e-9 * before);
+      } else {
+        EXPECT_LE(after, before);
+        if (count >= 100) {
+          EXPECT_LT(after, before);
+        }
       }
       ASSERT_FALSE(trace.empty());
       EXPECT_NEAR(trace.front().cost, before, 1e-9 * before);
@@ -130,6 +137,7 @@ TEST_P(EveryOptimizer, FollowsTheMeasureOfTheCostModel) {
   };
   const Bvh2 by_area = optimized(nullptr);
   EXPECT_EQ(by_area.triangles, optimized(std::make_shared<OtherArea>()).triangles);
+  if (keeps_the_tree(GetParam())) return;
   CostModel width;
   width.measure = std::make_shared<Width>();
   EXPECT_LT(tree_cost(optimized(width.measure), width), tree_cost(by_area, width));
