@@ -92,7 +92,7 @@ void list_figures() {
 
 int list(const std::string& what, const std::string& folder) {
   constexpr std::array roles{Role::builder, Role::optimizer, Role::encoder, Role::heuristic,
-                             Role::tracer,  Role::workload,  Role::metric};
+                             Role::tracer,  Role::workload,  Role::metric,  Role::updater};
   std::vector<std::string> known{"methods", "scenes", "experiments", "quantities", "figures"};
   if (what == "methods") {
     list_methods(std::nullopt);

@@ -89,6 +89,40 @@ class Encoder : public Method {
   [[nodiscard]] virtual std::unique_ptr<Accel> encode(const Bvh2& bvh, const Scene& scene, const BuildContext& context) const = 0;
 };
 
+/// The tree of one frame.
+struct FrameUpdate {
+  const Accel* accel = nullptr;  ///< valid until the session is asked again
+  bool rebuilt = false;          ///< built anew for this frame, not refitted
+};
+
+/// An animation being played frame by frame. What it was prepared with must outlive it.
+class UpdateSession {
+ public:
+  UpdateSession() = default;
+  UpdateSession(const UpdateSession&) = delete;
+  UpdateSession& operator=(const UpdateSession&) = delete;
+  virtual ~UpdateSession() = default;
+
+  /// Makes the tree ready for frame `index` of those it was prepared for, whose scene is `frame`. Frames come in order from 0;
+  /// frame 0 begins the animation anew. This is what is timed as the update of a frame.
+  virtual FrameUpdate update(const Scene& frame, std::size_t index) = 0;
+  /// Bytes of all trees that are held.
+  [[nodiscard]] virtual std::size_t bytes() const = 0;
+};
+
+/// Builds and optimizes a tree for a scene, as the method's pipeline says (the encoder comes after the update).
+using TreeBuild = std::function<std::unique_ptr<Accel>(const Scene& scene)>;
+
+/// Animation → the trees of its frames: by refitting one, by building others.
+class Updater : public Method {
+ public:
+  static constexpr Role role = Role::updater;
+  /// What is done before the animation is played: `build` with one scene or many. `animation` has its key frames, and the
+  /// vertices of the first; `times` (in [0, 1], ascending) are those of the frames to come.
+  [[nodiscard]] virtual std::unique_ptr<UpdateSession> prepare(const Scene& animation, std::span<const double> times,
+                                                               const TreeBuild& build, const BuildContext& context) const = 0;
+};
+
 /// Scene → Measure.
 class Heuristic : public Method {
  public:

@@ -45,6 +45,7 @@ std::string_view role_name(Role role) {
     case Role::tracer: return "tracer";
     case Role::workload: return "workload";
     case Role::metric: return "metric";
+    case Role::updater: return "updater";
   }
   throw std::logic_error("role_name: no such role");
 }

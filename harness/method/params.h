@@ -11,7 +11,7 @@
 
 namespace raystudy {
 
-enum class Role : std::uint8_t { builder, optimizer, encoder, heuristic, tracer, workload, metric };
+enum class Role : std::uint8_t { builder, optimizer, encoder, heuristic, tracer, workload, metric, updater };
 [[nodiscard]] std::string_view role_name(Role role);
 
 class Params;

@@ -185,8 +185,8 @@ std::string experiment_schema() {
   schema["$schema"] = "https://json-schema.org/draft/2020-12/schema";
   schema["title"] = "Raystudy experiment";
   schema["required"] = json::array({"scenes", "methods"});
-  for (const Role role :
-       {Role::builder, Role::optimizer, Role::encoder, Role::heuristic, Role::tracer, Role::workload, Role::metric}) {
+  for (const Role role : {Role::builder, Role::optimizer, Role::encoder, Role::heuristic, Role::tracer, Role::workload,
+                          Role::metric, Role::updater}) {
     schema["$defs"][std::string(role_name(role))] = method_schema(role);
   }
   schema["$defs"]["scene"] = scene_schema();
