@@ -18,6 +18,7 @@ namespace {
 std::string stages_text(const PipelineSpec& pipeline) {
   std::string text = canonical(pipeline.builder);
   for (const MethodRef& optimizer : pipeline.optimizers) text += " → " + canonical(optimizer);
+  if (pipeline.updater) text += " → " + canonical(*pipeline.updater);
   if (pipeline.encoder) text += " → " + canonical(*pipeline.encoder);
   return text;
 }
@@ -40,6 +41,7 @@ void print_matrix(const Plan& plan) {
   fmt::print("{}: {} (scale {})\n", plan.file, plan.title, scale_name(plan.scale));
   fmt::print("  {} threads, {} repetitions, seed {}, c_T = {}, c_I = {}, {}\n", plan.threads, plan.repetitions, plan.seed,
              plan.cost.traversal, plan.cost.intersection, canonical(plan.cost.heuristic));
+  if (plan.animation) fmt::print("  animations of {} frames\n", plan.animation->frames);
   fmt::print("scenes\n");
   for (const SceneSpec& scene : plan.scenes) {
     const std::string size = scene.triangles > 0 ? fmt::format("{} triangles, seed {}",

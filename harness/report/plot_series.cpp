@@ -14,7 +14,9 @@ Json series_plot(const FigureSpec& figure, const Report& report, std::vector<std
   std::size_t left_out = 0;
   for (const std::string& scene : figure.scenes) {
     for (const std::string& method : figure.methods) {
-      const CellResult* result = build_result(report, scene, method, gaps);
+      const CellResult* result = figure.workloads.empty()
+                                     ? build_result(report, scene, method, gaps)
+                                     : traced_result(report, figure, scene, method, figure.workloads.front(), gaps);
       const Series* series = result == nullptr ? nullptr : series_of(*result, quantity, gaps);
       if (series == nullptr) continue;
       if (first.x.empty()) first = *series;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <numeric>
+#include <type_traits>
 
 #include "harness/base/error.h"
 #include "harness/method/registry.h"
@@ -22,8 +23,10 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-Bvh2& as_bvh2(Accel& accel, const std::string& label, std::string_view taker) {
-  if (auto* bvh = dynamic_cast<Bvh2*>(&accel)) return *bvh;
+template <class Tree>  // Accel or const Accel
+auto& as_bvh2(Tree& accel, const std::string& label, std::string_view taker) {
+  using Bvh = std::conditional_t<std::is_const_v<Tree>, const Bvh2, Bvh2>;
+  if (auto* bvh = dynamic_cast<Bvh*>(&accel)) return *bvh;
   throw Error(fmt::format("'{}': {} takes a bvh2, the stage before it made '{}'", label, taker, accel.kind()));
 }
 
@@ -44,14 +47,22 @@ Pipeline::Pipeline(const PipelineSpec& spec) : label_(spec.label) {
 
 std::unique_ptr<Accel> Pipeline::run(const Scene& scene, const BuildContext& context, StageTimes& times,
                                      const OnStage& on_stage) const {
+  times = {};
+  std::unique_ptr<Accel> accel = make_tree(scene, context, times, on_stage);
+  if (encoder_) accel = encode(*accel, scene, context, times, on_stage);
+  return accel;
+}
+
+std::unique_ptr<Accel> Pipeline::make_tree(const Scene& scene, const BuildContext& context, StageTimes& times,
+                                           const OnStage& on_stage) const {
   const auto enter = [&on_stage](std::string_view stage) {
     if (on_stage) on_stage(stage);
   };
-  times.optimize.assign(optimizers_.size(), 0);
+  times.optimize.resize(optimizers_.size(), 0);
   enter("building");
   const Stopwatch build_watch;
   std::unique_ptr<Accel> accel = builder_->build(scene, context);
-  times.build = build_watch.seconds();
+  times.build += build_watch.seconds();
   if (!accel) throw Error(fmt::format("'{}': its builder made nothing", label_));
   double before = 0;
   for (std::size_t i = 0; i < optimizers_.size(); ++i) {
@@ -62,20 +73,23 @@ std::unique_ptr<Accel> Pipeline::run(const Scene& scene, const BuildContext& con
     if (context.cost_trace != nullptr) own.cost_trace = &trace;
     const Stopwatch watch;
     optimizers_[i]->optimize(bvh, scene, own);
-    times.optimize[i] = watch.seconds();
+    const double seconds = watch.seconds();
+    times.optimize[i] += seconds;
     for (const CostSample& sample : trace) context.cost_trace->push_back({before + sample.seconds, sample.cost});
-    before += times.optimize[i];
-  }
-  if (encoder_) {
-    enter("encoding");
-    const Bvh2& bvh = as_bvh2(*accel, label_, "its encoder");
-    const Stopwatch watch;
-    std::unique_ptr<Accel> encoded = encoder_->encode(bvh, scene, context);
-    times.encode = watch.seconds();
-    if (!encoded) throw Error(fmt::format("'{}': its encoder made nothing", label_));
-    accel = std::move(encoded);
+    before += seconds;
   }
   return accel;
+}
+
+std::unique_ptr<Accel> Pipeline::encode(const Accel& tree, const Scene& scene, const BuildContext& context, StageTimes& times,
+                                        const OnStage& on_stage) const {
+  if (on_stage) on_stage("encoding");
+  const Bvh2& bvh = as_bvh2(tree, label_, "its encoder");
+  const Stopwatch watch;
+  std::unique_ptr<Accel> encoded = encoder_->encode(bvh, scene, context);
+  times.encode += watch.seconds();
+  if (!encoded) throw Error(fmt::format("'{}': its encoder made nothing", label_));
+  return encoded;
 }
 
 CostModel make_cost_model(const CostSpec& spec, const Scene& scene, int threads, std::uint64_t seed) {

@@ -35,6 +35,13 @@ class Pipeline {
   [[nodiscard]] std::unique_ptr<Accel> run(const Scene& scene, const BuildContext& context, StageTimes& times,
                                            const OnStage& on_stage = {}) const;
 
+  /// The builder and the optimizers only; their times are added to `times`.
+  [[nodiscard]] std::unique_ptr<Accel> make_tree(const Scene& scene, const BuildContext& context, StageTimes& times,
+                                                 const OnStage& on_stage = {}) const;
+  /// What the encoder makes of a tree; its time is added to `times`. Throws Error for a tree that is no Bvh2.
+  [[nodiscard]] std::unique_ptr<Accel> encode(const Accel& tree, const Scene& scene, const BuildContext& context,
+                                              StageTimes& times, const OnStage& on_stage = {}) const;
+
   [[nodiscard]] bool has_encoder() const { return encoder_ != nullptr; }
   /// Names of the optimizers in order, a repeated one with its count: insertion, insertion#2.
   [[nodiscard]] const std::vector<std::string>& optimizer_names() const { return optimizer_names_; }

@@ -22,6 +22,9 @@ inline constexpr int test_triangles = 64;
 /// Adds a workload of rays straight down on the strip, and one cell of the plan's first pipeline for each tracer's behaviour.
 void add_traces(Plan& plan, const std::vector<std::string>& behaviours, bool workload_fails = false);
 
+/// Plays the strip, which rises, in `frames` frames; the plan's pipelines get an updater of this behaviour (test_methods.cpp).
+void add_animation(Plan& plan, std::size_t frames, const std::string& behaviour);
+
 /// Adds a metric that gives `answer` = 42 and the series `by_depth`; "not finite" spoils it.
 void add_metric(Plan& plan, const std::string& behaviour);
 

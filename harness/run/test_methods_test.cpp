@@ -199,6 +199,46 @@ class TestMetric : public Metric {
   std::string behaviour_;
 };
 
+/// Builds a tree for every frame.
+class TestUpdateSession : public UpdateSession {
+ public:
+  TestUpdateSession(TreeBuild build, std::string behaviour) : build_(std::move(build)), behaviour_(std::move(behaviour)) {}
+  FrameUpdate update(const Scene& frame, std::size_t index) override {
+    if (behaviour_ == "throw in frame 1" && index == 1) throw Error("lost the frame");
+    if (behaviour_ == "crash in frame 1" && index == 1) crash();
+    if (behaviour_ != "keep" || !tree_) tree_ = build_(frame);
+    return {tree_.get(), index % 2 == 1};
+  }
+  [[nodiscard]] std::size_t bytes() const override { return 100; }
+
+ private:
+  TreeBuild build_;
+  std::string behaviour_;
+  std::unique_ptr<Accel> tree_;
+};
+
+class TestUpdater : public Updater {
+ public:
+  explicit TestUpdater(const Params& params) : behaviour_(params.text("behaviour")) {}
+  static MethodInfo info() {
+    return {.name = "test-updater",
+            .summary = "behaves as it is told",
+            .citation = "none",
+            .params = {text_param("behaviour", "good", "what it does")},
+            .accel = "bvh2"};
+  }
+  [[nodiscard]] std::unique_ptr<UpdateSession> prepare(const Scene& scene, std::span<const double>, const TreeBuild& build,
+                                                       const BuildContext&) const override {
+    if (behaviour_ == "throw") throw Error("no session");
+    (void)build(scene);
+    return std::make_unique<TestUpdateSession>(build, behaviour_);
+  }
+
+ private:
+  std::string behaviour_;
+};
+
+const Registration<TestUpdater> updater;
 const Registration<TestBuilder> builder;
 const Registration<TestTracer> tracer;
 const Registration<TestWorkload> workload;
@@ -221,6 +261,13 @@ Scene open_test_scene(const SceneSpec& spec) {
   scene.name = spec.name;
   scene.vertices = SharedArray(std::move(vertices));
   scene.triangles = SharedArray(std::move(triangles));
+  if (spec.name == "rising strip") {
+    for (const float y : {0.0F, 1.0F}) {
+      std::vector<Vec3> frame(scene.vertices.begin(), scene.vertices.end());
+      for (std::size_t v = 0; v < frame.size(); ++v) frame[v].y = y * static_cast<float>(v);
+      scene.frames.emplace_back(std::move(frame));
+    }
+  }
   finish_scene(scene, spec.name);
   return scene;
 }
@@ -254,6 +301,14 @@ void add_traces(Plan& plan, const std::vector<std::string>& behaviours, bool wor
   for (const std::string& behaviour : behaviours) {
     plan.cells.push_back({0, 0, plan.tracers.size(), plan.workloads.size() - 1});
     plan.tracers.push_back({behaviour, behaviour, registry.ref(Role::tracer, "test-tracer", {{"behaviour", behaviour}}), {}});
+  }
+}
+
+void add_animation(Plan& plan, std::size_t frames, const std::string& behaviour) {
+  plan.animation = AnimationSpec{frames};
+  for (SceneSpec& scene : plan.scenes) scene.name = "rising strip";
+  for (PipelineSpec& pipeline : plan.pipelines) {
+    pipeline.updater = Registry::instance().ref(Role::updater, "test-updater", {{"behaviour", behaviour}});
   }
 }
 

@@ -10,6 +10,12 @@
 #include <stdexcept>
 
 namespace raystudy {
+
+double process_cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 namespace {
 
 struct Task {
@@ -19,12 +25,6 @@ struct Task {
 
 std::string part_counter(std::size_t i) { return fmt::format("part{}", i); }
 constexpr const char* cpu_counter = "cpu_seconds";
-
-double process_cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 void run_repetition(Task& task, const std::function<void()>& on_repetition, benchmark::State& state) {
   if (on_repetition) on_repetition();

@@ -7,6 +7,9 @@
 
 namespace raystudy {
 
+/// That this process has had on all its threads.
+[[nodiscard]] double process_cpu_seconds();
+
 /// One execution of a piece of work: its seconds as the work measured them itself, in all and by part.
 struct Lap {
   double seconds = 0;

@@ -18,6 +18,7 @@
 #include "harness/base/error.h"
 #include "harness/base/progress.h"
 #include "harness/method/registry.h"
+#include "harness/run/animation_run.h"
 #include "harness/run/memory.h"
 #include "harness/run/thread_limit.h"
 #include "harness/run/worker_steps.h"
@@ -26,14 +27,39 @@
 namespace raystudy {
 namespace {
 
-Measurement exact(std::string unit, double value) { return {ValueClass::exact, std::move(unit), {value}}; }
-
 std::string out_of_memory(const Plan& plan, std::string_view stage) {
   const std::string text = fmt::format("out of memory while {}", stage);
   return plan.memory_limit_bytes > 0 ? fmt::format("{} (limit {})", text, bytes_text(plan.memory_limit_bytes)) : text;
 }
 
-/// The first wrong hit is enough for a row's reason.
+}  // namespace
+
+Measurement exact(std::string unit, double value) { return {ValueClass::exact, std::move(unit), {value}}; }
+
+void add_counts(CellResult& result, const TraceCounts& counts, double rays) {
+  const auto a_ray = [rays](std::uint64_t sum) { return exact("1", static_cast<double>(sum) / rays); };
+  result.values["steps_per_ray"] = a_ray(counts.traversal_steps());
+  result.values["inner_nodes_per_ray"] = a_ray(counts.inner_nodes);
+  result.values["leaves_per_ray"] = a_ray(counts.leaves);
+  result.values["box_tests_per_ray"] = a_ray(counts.box_tests);
+  result.values["triangle_tests_per_ray"] = a_ray(counts.triangle_tests);
+}
+
+void add_cost_trace(CellResult& result, const std::vector<CostSample>& trace) {
+  if (trace.empty()) return;
+  Series series{"seconds", "s", "1", {}, {}};
+  for (const CostSample& sample : trace) {
+    series.x.push_back(sample.seconds);
+    series.y.push_back(sample.cost);
+  }
+  result.series["cost_over_time"] = std::move(series);
+}
+
+void require_valid(const Accel& accel, const Scene& scene) {
+  const std::vector<std::string> problems = find_problems(accel, scene, 1);
+  if (!problems.empty()) throw WrongResult(fmt::format("wrong tree: {}", problems.front()));
+}
+
 void require_right(OracleReport report, const RayBatch& batch) {
   if (report.ok()) return;
   report.examples.resize(1);
@@ -41,8 +67,6 @@ void require_right(OracleReport report, const RayBatch& batch) {
   const std::size_t line = text.find("\n  ");
   throw WrongResult(line == std::string::npos ? text : text.replace(line, 3, ": "));
 }
-
-}  // namespace
 
 /// Tells the board what comes, and adds what the stage before took to its own account.
 void Worker::announce(Scope scope, std::size_t index, std::string_view stage) {
@@ -98,22 +122,29 @@ void Worker::open_the_scene() {
   context_.cost = make_cost_model(plan_.cost, *scene_, plan_.threads, plan_.seed);
 }
 
-void Worker::make_rays() {
+std::set<std::size_t> Worker::workloads() const {
   std::set<std::size_t> wanted;
   for (const std::size_t c : cells_) {
     if (plan_.cells[c].workload) wanted.insert(*plan_.cells[c].workload);
   }
+  return wanted;
+}
+
+void Worker::make_rays(const Scene& scene, const std::set<std::size_t>& wanted) {
+  reference_.reset();
+  oracle_.reset();
+  rays_.clear();
   for (const std::size_t w : wanted) {
-    const bool made = guarded(Spent::set_up, Scope::workload, w, "making the rays", [this, w] {
-      if (!reference_) reference_ = std::make_unique<ReferenceTracer>(*scene_, plan_.threads);
-      if (!oracle_) oracle_ = std::make_unique<Oracle>(*scene_);
+    const bool made = guarded(Spent::set_up, Scope::workload, w, "making the rays", [this, w, &scene] {
+      if (!reference_) reference_ = std::make_unique<ReferenceTracer>(scene, plan_.threads);
+      if (!oracle_) oracle_ = std::make_unique<Oracle>(scene);
       WorkloadContext context;
       context.seed = plan_.seed;
       context.closest_hits = [this](std::span<const Ray> rays, std::span<Hit> hits) {
         reference_->trace(rays, hits, Query::closest_hit);
       };
       Rays& rays = rays_[w];
-      rays.batch = Registry::instance().create<Workload>(plan_.workloads[w].workload)->generate(*scene_, context);
+      rays.batch = Registry::instance().create<Workload>(plan_.workloads[w].workload)->generate(scene, context);
       if (rays.batch.rays.empty()) throw Error(fmt::format("workload '{}' made no rays", plan_.workloads[w].label));
       rays.reference.resize(rays.batch.rays.size());
     });
@@ -172,26 +203,15 @@ void Worker::build(PipelineWork& work) {
     work.build_result.values["peak_memory"] = {ValueClass::absolute, "bytes", {*bytes}};
   }
   work.build_result.values["triangles"] = exact("1", static_cast<double>(scene_->triangles.size()));
-  if (trace.empty()) return;
-  Series series{"seconds", "s", "1", {}, {}};
-  for (const CostSample& sample : trace) {
-    series.x.push_back(sample.seconds);
-    series.y.push_back(sample.cost);
-  }
-  work.build_result.series["cost_over_time"] = std::move(series);
+  add_cost_trace(work.build_result, trace);
 }
 
-void Worker::check_tree(const PipelineWork& work) {
-  const std::vector<std::string> problems = find_problems(*work.accel, *scene_, 1);
-  if (!problems.empty()) throw WrongResult(fmt::format("wrong tree: {}", problems.front()));
-}
-
-void Worker::measure_tree(PipelineWork& work) {
+void Worker::measure_tree(PipelineWork& work, const Accel& accel, const Scene& scene) {
   const Registry& registry = Registry::instance();
   for (const MethodRef& ref : plan_.metrics) {
     const std::string& kind = registry.get(Role::metric, ref.name).info.accel;
-    if (!kind.empty() && kind != work.accel->kind()) continue;
-    for (MetricValue& value : registry.create<Metric>(ref)->measure(*work.accel, *scene_, context_)) {
+    if (!kind.empty() && kind != accel.kind()) continue;
+    for (MetricValue& value : registry.create<Metric>(ref)->measure(accel, scene, context_)) {
       if (!std::all_of(value.values.begin(), value.values.end(), [](double v) { return std::isfinite(v); })) {
         throw Error(fmt::format("metric '{}' gave a '{}' that is not finite", ref.name, value.name));
       }
@@ -230,25 +250,11 @@ void Worker::check_trace(PipelineWork& work, std::size_t cell) {
     const auto met = std::count_if(hits.begin(), hits.end(), [](const Hit& h) { return h.is_hit(); });
     trace->result.values["ray_count"] = exact("1", static_cast<double>(count));
     trace->result.values["hit_share"] = exact("1", static_cast<double>(met) / static_cast<double>(count));
+    if (!trace->session->counts()) return;
     announce(Scope::cell, cell, "counting steps");
-    count_steps(*trace);
+    add_counts(trace->result, trace->session->count(rays.batch.rays, rays.batch.query, {}), static_cast<double>(count));
   });
   if (right) work.traces.push_back(std::move(trace));
-}
-
-void Worker::count_steps(TraceWork& trace) {
-  if (!trace.session->counts()) return;
-  const RayBatch& batch = trace.rays->batch;
-  const TraceCounts counts = trace.session->count(batch.rays, batch.query, {});
-  const auto a_ray = [&](std::uint64_t sum) {
-    return exact("1", static_cast<double>(sum) / static_cast<double>(batch.rays.size()));
-  };
-  auto& values = trace.result.values;
-  values["steps_per_ray"] = a_ray(counts.traversal_steps());
-  values["inner_nodes_per_ray"] = a_ray(counts.inner_nodes);
-  values["leaves_per_ray"] = a_ray(counts.leaves);
-  values["box_tests_per_ray"] = a_ray(counts.box_tests);
-  values["triangle_tests_per_ray"] = a_ray(counts.triangle_tests);
 }
 
 void Worker::run() {
@@ -259,16 +265,26 @@ void Worker::run() {
   int most_threads = plan_.threads;
   for (const PipelineSpec& pipeline : plan_.pipelines) most_threads = std::max(most_threads, pipeline.threads);
   const ThreadLimit limit(most_threads);
-  make_rays();
+  if (plan_.animation) {
+    AnimationRun(*this, plan_.animation->frames).run();
+  } else {
+    make_rays(*scene_, workloads());
+    run_group_by_group();
+  }
+}
+
+void Worker::run_group_by_group() {
+  const std::size_t scene = plan_.cells[cells_.front()].scene;
   // Structures that are traced stay in memory until all of their group are timed. A group takes at most half the free memory.
   const double budget = available_memory() / 2;
   double held = 0;
   std::vector<std::unique_ptr<PipelineWork>> group;
   for (auto& work : pipelines()) {
     if (!guarded(Spent::warm_up, Scope::pipeline, work->index, "building", [&] { build(*work); })) continue;
-    if (!guarded(Spent::checks, Scope::pipeline, work->index, "checking the tree", [&] { check_tree(*work); })) continue;
-    if (work->build_cell &&
-        !guarded(Spent::checks, Scope::cell, *work->build_cell, "measuring the tree", [&] { measure_tree(*work); })) {
+    if (!guarded(Spent::checks, Scope::pipeline, work->index, "checking the tree", [&] { require_valid(*work->accel, *scene_); }))
+      continue;
+    if (work->build_cell && !guarded(Spent::checks, Scope::cell, *work->build_cell, "measuring the tree",
+                                     [&] { measure_tree(*work, *work->accel, *scene_); })) {
       work->build_cell.reset();
     }
     for (const std::size_t cell : work->trace_cells) check_trace(*work, cell);

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -29,6 +30,16 @@ class WrongResult : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+[[nodiscard]] Measurement exact(std::string unit, double value);
+/// The counts of a counting pass, a ray.
+void add_counts(CellResult& result, const TraceCounts& counts, double rays);
+/// The samples of optimizers as a series over seconds; nothing where there are none.
+void add_cost_trace(CellResult& result, const std::vector<CostSample>& trace);
+/// Throws WrongResult where find_problems finds something.
+void require_valid(const Accel& accel, const Scene& scene);
+/// Throws WrongResult where a hit is wrong; the first one is enough for a row's reason.
+void require_right(OracleReport report, const RayBatch& batch);
+
 struct Rays {
   RayBatch batch;
   std::vector<Hit> reference;  ///< Embree's
@@ -48,6 +59,7 @@ struct PipelineWork {
   std::optional<std::size_t> build_cell;
   std::vector<std::size_t> trace_cells;
   std::unique_ptr<Pipeline> pipeline;
+  StageTimes first_times;  ///< of the build that is not timed
   CellResult build_result;
   std::unique_ptr<Accel> accel;  ///< kept where it is traced
   std::vector<std::unique_ptr<TraceWork>> traces;
@@ -63,19 +75,24 @@ class Worker {
   void run();
 
  private:
+  friend class AnimationRun;
+
   bool guarded(Spent kind, Scope scope, std::size_t index, std::string_view stage, const std::function<void()>& work);
   void announce(Scope scope, std::size_t index, std::string_view stage);
   void fail(Scope scope, std::size_t index, std::string_view stage, const std::exception_ptr& error);
 
   void open_the_scene();
-  void make_rays();
+  [[nodiscard]] std::set<std::size_t> workloads() const;
+  void make_rays(const Scene& scene, const std::set<std::size_t>& wanted);
   void build(PipelineWork& work);
-  void check_tree(const PipelineWork& work);
-  void measure_tree(PipelineWork& work);
+  void measure_tree(PipelineWork& work, const Accel& accel, const Scene& scene);
   void check_trace(PipelineWork& work, std::size_t cell);
-  void count_steps(TraceWork& trace);
+  void run_group_by_group();
   void time_group(std::vector<std::unique_ptr<PipelineWork>>& group);
+  void time_all(std::vector<TimedWork> works);
   TimedWork timed_build(PipelineWork& work);
+  static Lap lap_of(const StageTimes& times, double seconds);
+  void add_stage_times(PipelineWork& work, const std::vector<TimedSample>& samples);
   TimedWork timed_trace(const PipelineWork& work, TraceWork& trace);
   [[nodiscard]] std::vector<std::unique_ptr<PipelineWork>> pipelines() const;
   [[nodiscard]] BuildContext context_of(const PipelineWork& work) const;

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <numeric>
+
 #include "harness/run/memory.h"
 #include "harness/run/thread_limit.h"
 #include "harness/run/worker_steps.h"
@@ -37,28 +39,36 @@ TimedWork Worker::timed_build(PipelineWork& work) {
     const double built = Board::now_seconds();
     accel.reset();
     board_.add_time(Spent::set_up, Board::now_seconds() - built);
-    Lap lap{times.total(), {times.build, times.encode}};
-    lap.parts.insert(lap.parts.end(), times.optimize.begin(), times.optimize.end());
-    return lap;
+    return lap_of(times, times.total());
   };
   timed_work.finished = [this, cell, &work](const std::vector<TimedSample>& samples) {
-    CellResult& result = work.build_result;
-    const auto part = [&samples](std::size_t i) {
-      return timed("s", samples, [i](const TimedSample& s) { return s.parts.at(i); });
-    };
-    result.values["build_time"] = part(0);
-    if (work.pipeline->has_encoder()) result.values["encode_time"] = part(1);
-    const std::vector<std::string>& names = work.pipeline->optimizer_names();
-    if (!names.empty()) {
-      result.values["optimize_time"] =
-          timed("s", samples, [](const TimedSample& s) { return s.seconds - s.parts.at(0) - s.parts.at(1); });
-    }
-    for (std::size_t i = 0; names.size() > 1 && i < names.size(); ++i) result.values["optimize_time:" + names[i]] = part(2 + i);
-    result.values["total_time"] = timed("s", samples, [](const TimedSample& s) { return s.seconds; });
-    add_common_times(result, samples);
-    sender_.send(CellMeasured{cell, result});
+    add_stage_times(work, samples);
+    sender_.send(CellMeasured{cell, work.build_result});
   };
   return timed_work;
+}
+
+Lap Worker::lap_of(const StageTimes& times, double seconds) {
+  Lap lap{seconds, {times.build, times.encode}};
+  lap.parts.insert(lap.parts.end(), times.optimize.begin(), times.optimize.end());
+  return lap;
+}
+
+void Worker::add_stage_times(PipelineWork& work, const std::vector<TimedSample>& samples) {
+  CellResult& result = work.build_result;
+  const auto part = [&samples](std::size_t i) {
+    return timed("s", samples, [i](const TimedSample& s) { return s.parts.at(i); });
+  };
+  result.values["build_time"] = part(0);
+  if (work.pipeline->has_encoder() && !plan_.animation) result.values["encode_time"] = part(1);
+  const std::vector<std::string>& names = work.pipeline->optimizer_names();
+  if (!names.empty()) {
+    result.values["optimize_time"] =
+        timed("s", samples, [](const TimedSample& s) { return std::accumulate(s.parts.begin() + 2, s.parts.end(), 0.0); });
+  }
+  for (std::size_t i = 0; names.size() > 1 && i < names.size(); ++i) result.values["optimize_time:" + names[i]] = part(2 + i);
+  result.values["total_time"] = timed("s", samples, [](const TimedSample& s) { return s.seconds; });
+  add_common_times(result, samples);
 }
 
 TimedWork Worker::timed_trace(const PipelineWork& work, TraceWork& trace) {
@@ -98,15 +108,19 @@ void Worker::time_group(std::vector<std::unique_ptr<PipelineWork>>& group) {
     if (work->build_cell) add(*work->build_cell, timed_build(*work));
     for (const auto& trace : work->traces) add(trace->cell, timed_trace(*work, *trace));
   }
+  time_all(std::move(works));
+  const double timed = Board::now_seconds();
+  group.clear();
+  board_.add_time(Spent::set_up, Board::now_seconds() - timed);
+}
+
+void Worker::time_all(std::vector<TimedWork> works) {
   TimingOptions options;
   options.repetitions = plan_.repetitions;
   options.sample_seconds = options_.sample_seconds;
   options.warm_up_seconds = plan_.warm_up_seconds;
   options.on_repetition = [this] { board_.count_repetition(); };
   time_interleaved(std::move(works), options);
-  const double timed = Board::now_seconds();
-  group.clear();
-  board_.add_time(Spent::set_up, Board::now_seconds() - timed);
 }
 
 }  // namespace raystudy

@@ -65,6 +65,8 @@ std::string cell_identity(const Plan& plan, const Cell& cell) {
   identity.add("method", pipeline.label);
   identity.add(Role::builder, pipeline.builder);
   for (const MethodRef& optimizer : pipeline.optimizers) identity.add(Role::optimizer, optimizer);
+  if (pipeline.updater) identity.add(Role::updater, *pipeline.updater);
+  if (plan.animation) identity.add("frames", fmt::format("{}", plan.animation->frames));
   if (pipeline.encoder) identity.add(Role::encoder, *pipeline.encoder);
   identity.add("cost", fmt::format("c_T={} c_I={}", plan.cost.traversal, plan.cost.intersection));
   identity.add(Role::heuristic, plan.cost.heuristic);

@@ -27,13 +27,15 @@ struct SceneSpec {
   SourceLocation where;
 };
 
-/// builder → optimizers → encoder, every stage timed on its own.
+/// builder → optimizers → encoder, every stage timed on its own. Of an animation: builder and optimizers as often as the updater
+/// asks for, and the encoder after every update.
 struct PipelineSpec {
   std::string label;                        ///< with its sweep point, e.g. "insertion[batch=2]"; unique
   std::string base;                         ///< the name in YAML, without the sweep point
   std::map<std::string, ParamValue> sweep;  ///< the sweep point: parameter → value
   MethodRef builder;
   std::vector<MethodRef> optimizers;
+  std::optional<MethodRef> updater;  ///< where the experiment plays animations, and only there
   std::optional<MethodRef> encoder;
   std::vector<std::string> tracers;  ///< labels of the tracers used with it; all that accept its accel where YAML names none
   int threads = 1;                   ///< that its stages and tracers may use; the experiment's where YAML names none
@@ -58,6 +60,11 @@ struct CostSpec {
   double traversal = 3;     ///< c_T
   double intersection = 2;  ///< c_I
   MethodRef heuristic;      ///< surface-area unless the experiment says otherwise
+};
+
+/// How the scenes' animations are played.
+struct AnimationSpec {
+  std::size_t frames = 50;  ///< at equally spaced times, interpolated between key frames; the first and the last included
 };
 
 /// A point of the matrix. A build cell has neither tracer nor workload.
@@ -133,6 +140,7 @@ struct Plan {
   double timeout_seconds = 0;     ///< a cell; 0: none
   double memory_limit_bytes = 0;  ///< a cell; 0: none
   CostSpec cost;
+  std::optional<AnimationSpec> animation;  ///< none: scenes stand still
   std::vector<SceneSpec> scenes;
   std::vector<PipelineSpec> pipelines;
   std::vector<TracerSpec> tracers;

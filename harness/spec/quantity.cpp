@@ -24,9 +24,15 @@ struct UnitFamily {
 const std::vector<UnitFamily> unit_families{
     {{{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"min", 60}, {"h", 3600}}},
     {{{"bytes", 1}, {"KiB", 1024}, {"MiB", 1048576}, {"GiB", 1073741824}}},
+    {{{"frames/s", 1}}},
     {{{"rays/s", 1}, {"krays/s", 1e3}, {"Mrays/s", 1e6}, {"Grays/s", 1e9}}},
     {{{"", 1}, {"1", 1}, {"%", 0.01}, {"k", 1e3}, {"M", 1e6}}},
 };
+
+Quantity of_animations(Quantity quantity) {
+  quantity.animated = true;
+  return quantity;
+}
 
 }  // namespace
 
@@ -40,7 +46,22 @@ const std::vector<Quantity>& harness_quantities() {
       {"peak_memory", "bytes", "most memory in use while building, over what the scene itself takes"},
       {"cost_over_time", "1", "cost of the tree while it is optimized, from the end of the builder", false, "seconds"},
       {"cpu_time", "s", "processor time of all stages, over all threads"},
-      {"trace_time", "s", "time to trace the whole workload", true},
+      of_animations({"average_cost", "1", "cost of the tree, mean over the frames"}),
+      of_animations({"maximum_cost", "1", "cost of the tree in the frame where it is greatest"}),
+      of_animations({"frame_cost", "1", "cost of the tree by frame", false, "frame"}),
+      of_animations({"update_time", "s", "time to make the tree ready for a frame, its encoder included, mean over the frames"}),
+      of_animations({"maximum_update_time", "s", "time to make the tree ready for the frame that takes longest"}),
+      of_animations({"frame_update_time", "s", "time to make the tree ready, by frame", false, "frame"}),
+      of_animations({"rebuilds", "1", "frames for which a tree was built while the animation played"}),
+      of_animations({"frame_rebuilt", "1", "1 for frames for which a tree was built, else 0", false, "frame"}),
+      of_animations({"tree_memory", "bytes", "memory of all trees that are held while the animation plays"}),
+      of_animations({"frame_time", "s", "time to update the tree and trace the rays, mean over the frames", true}),
+      of_animations({"maximum_frame_time", "s", "time to update and trace of the frame that takes longest", true}),
+      of_animations({"frame_rate", "frames/s", "frames updated and traced in a second", true, {}, true}),
+      of_animations({"frame_total_time", "s", "time to update the tree and trace the rays, by frame", true, "frame"}),
+      of_animations({"frame_trace_time", "s", "time to trace the rays, by frame", true, "frame"}),
+      of_animations({"frame_trace_rate", "rays/s", "rays traced in a second, by frame", true, "frame", true}),
+      {"trace_time", "s", "time to trace the whole workload, of an animation in all frames together", true},
       {"trace_rate", "rays/s", "rays traced in a second", true, {}, true},
       {"steps_per_ray", "1", "traversal steps a ray, inner nodes and leaves", true},
       {"inner_nodes_per_ray", "1", "inner nodes visited a ray", true},

@@ -15,6 +15,7 @@ struct Quantity {
   bool traced = false;  ///< belongs to a cell with tracer and workload; else to the build
   std::string axis{};   ///< what a series runs over, e.g. "depth"; empty for a single number
   bool higher_is_better = false;
+  bool animated = false;  ///< there is one only where the experiment plays animations
 };
 
 /// The quantity that is not measured but follows from a table's methods together: for how many rays each is the fastest.

@@ -217,6 +217,10 @@ void ColumnReader::complete_metric(ColumnSpec& column, const SourceLocation& whe
   const std::optional<Quantity> quantity = lookup_.quantity(column.metric, where);
   if (!quantity) return;
   column.higher_is_better = quantity->higher_is_better;
+  if (quantity->animated && !plan_.animation) {
+    reading_.report(where, fmt::format("{} asks for '{}', and the experiment plays no animation", owner(column), column.metric),
+                    "'animation: {frames: 50}' in the experiment");
+  }
   check_break_even(column, where);
   const std::string natural = natural_unit(column, *quantity, where);
   column.unit = unit ? unit->key : natural;

@@ -39,7 +39,8 @@ TEST(ReadErrors, UnknownAndDuplicateKeys) {
   EXPECT_EQ(errors(good + "repetition: 3\n"),
             "x.yaml:3:1: the experiment has no key 'repetition'; expected one of title, paper, seed, threads, repetitions, "
             "warm_up, timeout, "
-            "memory_limit, cost, scenes, tracers, workloads, methods, metrics, tables, figures; did you mean 'repetitions'?");
+            "memory_limit, cost, animation, scenes, tracers, workloads, methods, metrics, tables, figures; did you mean "
+            "'repetitions'?");
   EXPECT_EQ(errors(good + "seed: 1\nseed: 2\n"),
             "x.yaml:4:1: key 'seed' stands a second time; expected each key once; the first is on line 3");
   EXPECT_EQ(errors(good + "cost: {ct: 3}\n"), "x.yaml:3:8: 'cost' has no key 'ct'; expected one of c_T, c_I, heuristic");
@@ -135,10 +136,11 @@ TEST(ReadErrors, MethodNames) {
       errors(with_builder("{test-builder: {}, test-foreign: {}}")),
       "x.yaml:2:24: the builder is a map of 2 keys; expected NAME or {NAME: {parameter: value}}, with the name of a builder");
   EXPECT_EQ(errors(with_builder("[]")), "x.yaml:2:24: 'builder' sweeps over an empty list; expected at least one builder");
-  EXPECT_EQ(errors(with_methods("{a: {builder: test-builder, optimise: test-optimizer}}")),
-            "x.yaml:2:38: method 'a' has no key 'optimise'; expected one of from, builder, optimize, encode, tracers, threads; "
-            "did you mean "
-            "'optimize'?");
+  EXPECT_EQ(
+      errors(with_methods("{a: {builder: test-builder, optimise: test-optimizer}}")),
+      "x.yaml:2:38: method 'a' has no key 'optimise'; expected one of from, builder, optimize, update, encode, tracers, threads; "
+      "did you mean "
+      "'optimize'?");
   EXPECT_EQ(errors(with_methods("{a/b: test-builder}")),
             "x.yaml:2:11: the name 'a/b' cannot be used; expected at least one letter, and none of / [ ] ,");
 }
@@ -188,6 +190,26 @@ TEST(ReadErrors, Sweeps) {
           "scenes: [sibenik-ogre]\nmethods:\n  a:\n    builder: {test-builder: {bins: [" + many +
           "]}}\n    optimize: [test-optimizer: {bins: [1, 2, 3, 4, 5, 6, 7, 8]}, test-optimizer: {bins: [1, 2, 3, 4, 5, 6]}]\n"),
       "x.yaml:3:3: the sweep of method 'a' has more than 10000 points; expected fewer values in its lists");
+}
+
+TEST(ReadErrors, Animations) {
+  const std::string plays = good + "animation: {frames: 5}\n";
+  EXPECT_EQ(errors(plays), "x.yaml:2:11: method 'a' does not say how its tree follows the animation; expected 'update', one of " +
+                               names(Role::updater));
+  EXPECT_EQ(errors(with_methods("{a: {builder: test-builder, update: test-updater}}")),
+            "x.yaml:2:46: method 'a' has 'update', and the experiment plays no animation; expected 'animation: {frames: 50}' in "
+            "the experiment");
+  EXPECT_EQ(
+      errors(with_methods("{a: {builder: test-foreign, update: test-updater}}") + "animation: {}\n"),
+      "x.yaml:2:46: updater 'test-updater' cannot take what builder 'test-foreign' makes ('foreign'); expected a builder of "
+      "'bvh2'");
+  EXPECT_EQ(errors(good + "animation: {frames: 0}\n").substr(0, 81),
+            "x.yaml:2:11: method 'a' does not say how its tree follows the animation; expected");
+  EXPECT_EQ(errors(with_methods("{a: {builder: test-builder, update: test-updater}}") + "animation: {frames: 0}\n"),
+            "x.yaml:3:21: 'frames' is the integer 0; expected an integer in [1, 1000000]");
+  EXPECT_EQ(errors(good + "tables: {t: {rows: method, columns: [average_cost]}}\n"),
+            "x.yaml:3:38: column 'average_cost' asks for 'average_cost', and the experiment plays no animation; expected "
+            "'animation: {frames: 50}' in the experiment");
 }
 
 TEST(ReadErrors, From) {
@@ -267,7 +289,7 @@ TEST(ReadErrors, AllOfAFileAtOnceInItsOrder) {
                 "\nx.yaml:5:3: key 'a' stands a second time; expected each key once; the first is on line 4\n"
                 "x.yaml:6:1: the experiment has no key 'foo'; expected one of title, paper, seed, threads, repetitions, warm_up, "
                 "timeout, "
-                "memory_limit, cost, scenes, tracers, workloads, methods, metrics, tables, figures");
+                "memory_limit, cost, animation, scenes, tracers, workloads, methods, metrics, tables, figures");
 }
 
 }  // namespace

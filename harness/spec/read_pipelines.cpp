@@ -18,6 +18,7 @@ namespace {
 struct Draft {
   std::vector<MethodChoice> builder;
   std::vector<std::vector<MethodChoice>> optimizers;
+  std::vector<MethodChoice> updater;  ///< empty: none
   std::vector<MethodChoice> encoder;  ///< empty: none
   std::optional<std::vector<YamlEntry>> tracers;
   int threads = 1;
@@ -57,6 +58,7 @@ class PipelineReader {
     if (written.is_scalar()) {  // `sah: sweep-sah`
       draft.builder = read_method(reading_, written, Role::builder, "builder");
       draft.good = !draft.builder.empty();
+      if (draft.good) check_update(draft, entry.where, entry.key);
       return draft;
     }
     Fields fields(reading_, written, fmt::format("method '{}'", entry.key));
@@ -73,14 +75,34 @@ class PipelineReader {
       draft.good = false;
     }
     if (const YamlNode* optimize = fields.find("optimize")) read_optimizers(*optimize, draft);
-    if (const YamlNode* encode = fields.find("encode")) {
-      draft.encoder = read_method(reading_, *encode, Role::encoder, "encode");
-      draft.good = draft.good && !draft.encoder.empty();
-    }
+    read_stage(fields, "update", Role::updater, draft.updater, draft);
+    read_stage(fields, "encode", Role::encoder, draft.encoder, draft);
+    if (draft.good) check_update(draft, entry.where, entry.key);
     if (const YamlNode* tracers = fields.find("tracers")) draft.tracers = read_names(reading_, *tracers, "'tracers'");
     draft.threads = static_cast<int>(std::get<std::int64_t>(fields.value(threads_param(draft.threads))));
     fields.finish();
     return draft;
+  }
+
+  void read_stage(Fields& fields, const char* key, Role role, std::vector<MethodChoice>& choices, Draft& draft) {
+    const YamlNode* node = fields.find(key);
+    if (node == nullptr) return;
+    choices = read_method(reading_, *node, role, key);
+    draft.good = draft.good && !choices.empty();
+  }
+
+  /// Every method of an animation says how its tree follows it, and no other does.
+  void check_update(Draft& draft, const SourceLocation& where, const std::string& name) {
+    if (draft.updater.empty() == !plan_.animation.has_value()) return;
+    draft.good = false;
+    if (draft.updater.empty()) {
+      reading_.report(where, fmt::format("method '{}' does not say how its tree follows the animation", name),
+                      fmt::format("'update', one of {}", fmt::join(Registry::instance().names(Role::updater), ", ")));
+    } else {
+      reading_.report(draft.updater.front().where,
+                      fmt::format("method '{}' has 'update', and the experiment plays no animation", name),
+                      "'animation: {frames: 50}' in the experiment");
+    }
   }
 
   void read_optimizers(const YamlNode& node, Draft& draft) {
@@ -122,6 +144,7 @@ class PipelineReader {
   void expand(const YamlEntry& entry, const Draft& draft) {
     std::vector<const std::vector<MethodChoice>*> stages{&draft.builder};
     for (const auto& optimizer : draft.optimizers) stages.push_back(&optimizer);
+    if (!draft.updater.empty()) stages.push_back(&draft.updater);
     if (!draft.encoder.empty()) stages.push_back(&draft.encoder);
     std::size_t points = 1;
     for (const auto* stage : stages) {
@@ -154,6 +177,7 @@ class PipelineReader {
     for (std::size_t i = 0; i < sweep.size(); ++i) pipeline.sweep[names[i]] = sweep[i].value;
     pipeline.builder = stages.front()->ref;
     for (std::size_t i = 1; i <= draft.optimizers.size(); ++i) pipeline.optimizers.push_back(stages[i]->ref);
+    if (!draft.updater.empty()) pipeline.updater = stages[1 + draft.optimizers.size()]->ref;
     if (!draft.encoder.empty()) pipeline.encoder = stages.back()->ref;
     const std::optional<std::string> kind = check_stages(draft, stages);
     if (!kind) return;
@@ -166,8 +190,9 @@ class PipelineReader {
     const Registry& registry = Registry::instance();
     const std::string kind = registry.get(Role::builder, stages.front()->ref.name).info.accel;
     for (std::size_t i = 1; i < stages.size(); ++i) {
-      if (kind == Bvh2::kind_name) continue;
-      const Role role = i <= draft.optimizers.size() ? Role::optimizer : Role::encoder;
+      const bool is_updater = !draft.updater.empty() && i == draft.optimizers.size() + 1;
+      const Role role = i <= draft.optimizers.size() ? Role::optimizer : is_updater ? Role::updater : Role::encoder;
+      if (kind == Bvh2::kind_name || (is_updater && registry.get(role, stages[i]->ref.name).info.accel.empty())) continue;
       reading_.report(stages[i]->where,
                       fmt::format("{} '{}' cannot take what builder '{}' makes ('{}')", role_name(role), stages[i]->ref.name,
                                   stages.front()->ref.name, kind),

@@ -52,6 +52,16 @@ void read_cost(Reading& reading, const YamlNode* node, Plan& plan) {
   }
 }
 
+void read_animation(Reading& reading, const YamlNode& node, Plan& plan) {
+  Fields fields(reading, node, "'animation'");
+  if (!fields.is_map()) return;
+  AnimationSpec animation;
+  animation.frames = static_cast<std::size_t>(
+      std::get<std::int64_t>(fields.value(integer_param("frames", static_cast<std::int64_t>(animation.frames), "", 1, 1e6))));
+  plan.animation = animation;
+  fields.finish();
+}
+
 /// Rays need both who traces them and what they are; and a tracer that traces nothing is a mistake.
 void check_tracing(Reading& reading, const YamlNode* tracers, const YamlNode* workloads, const Plan& plan) {
   const bool no_tracers = tracers == nullptr || plan.tracers.empty();
@@ -83,6 +93,7 @@ void read_experiment(Reading& reading, const YamlNode& root, Plan& plan) {
   if (!fields.is_map()) return;
   read_settings(fields, plan);
   read_cost(reading, fields.find("cost"), plan);
+  if (const YamlNode* animation = fields.find("animation")) read_animation(reading, *animation, plan);
   if (const YamlNode* scenes = fields.require("scenes", "a list of scenes")) read_scenes(reading, *scenes, plan);
   const YamlNode* tracers = fields.find("tracers");
   if (tracers != nullptr) read_tracers(reading, *tracers, plan);

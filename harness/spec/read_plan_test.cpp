@@ -22,6 +22,19 @@ const PipelineSpec& pipeline(const Plan& plan, std::string_view label) {
   return plan.pipelines.at(index_of(plan.pipelines, label).value());
 }
 
+TEST(ReadPlan, AnimationsAndTheUpdatersOfTheirMethods) {
+  const Plan plan = read_methods(
+      "  a: {builder: test-builder, update: {test-updater: {every: [2, 5]}}, encode: test-encoder}\n"
+      "  b: {from: a, optimize: test-optimizer, update: test-updater}\n",
+      "animation: {frames: {quick: 5, paper: 50}}\n");
+  EXPECT_EQ(plan.animation.value().frames, 5U);
+  EXPECT_EQ(canonical(*pipeline(plan, "a[every=5]").updater), "test-updater{every=5}");
+  EXPECT_EQ(pipeline(plan, "a[every=5]").encoder->name, "test-encoder");
+  EXPECT_EQ(canonical(*pipeline(plan, "b").updater), "test-updater{every=1}");
+  EXPECT_FALSE(read_methods("  a: test-builder\n").animation);
+  EXPECT_EQ(read_methods("  a: {builder: test-builder, update: test-updater}\n", "animation: {}\n").animation->frames, 50U);
+}
+
 TEST(ReadPlan, SettingsAndTheirDefaults) {
   const Plan plan = read("scenes: [sibenik-ogre]\nmethods: {a: test-builder}\n");
   EXPECT_EQ(plan.name, "study");

@@ -94,6 +94,7 @@ json pipeline_schema() {
   const json whole = object({{"from", text()},
                              {"builder", builder},
                              {"optimize", by_scale(one_or_list(one_or_list(reference("optimizer"))))},
+                             {"update", by_scale(one_or_list(reference("updater")))},
                              {"encode", by_scale(one_or_list(reference("encoder")))},
                              {"tracers", by_scale(one_or_list(text()))},
                              {"threads", by_scale({{"type", "integer"}, {"minimum", 1}})}});
@@ -175,6 +176,7 @@ std::string experiment_schema() {
                         {"timeout", quantity},
                         {"memory_limit", quantity},
                         {"cost", object({{"c_T", constant}, {"c_I", constant}, {"heuristic", reference("heuristic")}})},
+                        {"animation", object({{"frames", integer(1)}})},
                         {"scenes", by_scale(list_of(reference("scene")))},
                         {"methods", by_scale(map_of(by_scale(reference("pipeline"))))},
                         {"tracers", by_scale({{"anyOf", json::array({list_of(tracer), map_of(one_or_list(tracer))})}})},

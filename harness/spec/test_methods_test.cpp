@@ -91,6 +91,22 @@ class TestMetric final : public Metric {
   [[nodiscard]] std::vector<MetricValue> measure(const Accel&, const Scene&, const BuildContext&) const override { return {}; }
 };
 
+class TestUpdater final : public Updater {
+ public:
+  explicit TestUpdater(const Params&) {}
+  static MethodInfo info() {
+    return {.name = "test-updater",
+            .summary = "",
+            .citation = "",
+            .params = {integer_param("every", 1, "frames", 1, 100)},
+            .accel = "bvh2"};
+  }
+  [[nodiscard]] std::unique_ptr<UpdateSession> prepare(const Scene&, std::span<const double>, const TreeBuild&,
+                                                       const BuildContext&) const override {
+    return nullptr;
+  }
+};
+
 const Registration<TestBuilder> builder;
 const Registration<TestForeignBuilder> foreign;
 const Registration<TestOptimizer> optimizer;
@@ -99,6 +115,7 @@ const Registration<TestTracer<0>> tracer;
 const Registration<TestTracer<1>> wide_tracer;
 const Registration<TestWorkload> workload;
 const Registration<TestMetric> metric;
+const Registration<TestUpdater> updater;
 
 }  // namespace
 }  // namespace raystudy
