@@ -70,9 +70,9 @@ class LeafTriangles {
                                 hn::Lt(t, hn::Set(d, std::numeric_limits<float>::infinity())));
     unsigned met = candidates & many::mask_bits(d, within);
     if constexpr (any) {
-      // Without a branch, which could not be predicted.
+      // Without a branch, which could not be predicted: where none is met, the last triangle stands in for what is not used.
       const bool hit = met != 0;
-      const auto triangle = ids_[static_cast<std::size_t>(std::countr_zero(met | (1U << (lanes - 1))))];
+      const auto triangle = ids_[static_cast<std::size_t>(std::countr_zero(met | std::bit_floor(used_)))];
       group.triangle[lane] = hit ? triangle : group.triangle[lane];
       group.far[lane] = hit ? -1 : group.far[lane];
       return hit;
