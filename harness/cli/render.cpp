@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "harness/method/registry.h"
 #include "harness/report/picture.h"
 #include "harness/run/pipeline.h"
+#include "harness/scene/animation.h"
 #include "harness/scene/open.h"
 #include "harness/scene/procedural.h"
 
@@ -24,6 +27,8 @@ struct Options {
   std::int64_t triangles = 100'000;
   std::uint64_t seed = 1;
   std::string camera;
+  std::optional<double> time;
+  int frames = 0;  ///< 0: one picture
   int width = 960;
   int height = 600;
   int samples = 0;  ///< 0: 4 of a shaded picture, 1 of a heat map
@@ -47,6 +52,10 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--triangles", o.triangles, "Of a procedural scene")->capture_default_str();
   app.add_option("--seed", o.seed, "Of a procedural scene, of optimizers and of workloads")->capture_default_str();
   app.add_option("--camera", o.camera, "The scene's first where none is named");
+  auto* time = app.add_option("--time", o.time, "Of an animated scene: from 0, its first key frame, to 1, its last");
+  app.add_option("--frames", o.frames, "A contact sheet: so many pictures at equally spaced times")
+      ->check(CLI::Range(2, 100))
+      ->excludes(time);
   app.add_option("--width", o.width, "Pixels")->capture_default_str()->check(CLI::Range(16, 16384));
   app.add_option("--height", o.height, "Pixels")->capture_default_str()->check(CLI::Range(16, 16384));
   app.add_option("--samples", o.samples, "Primary rays a pixel; a square number")
@@ -129,9 +138,18 @@ class Studio {
     spec_.builder = Registry::instance().ref(Role::builder, o.builder);
     for (const std::string& name : o.optimizers) spec_.optimizers.push_back(Registry::instance().ref(Role::optimizer, name));
     progress_.update(0, "opening the scene");
-    scene_ = open_scene(o.scene, o.triangles, o.seed);
+    animation_ = open_scene(o.scene, o.triangles, o.seed);
+    if ((o.time || o.frames > 0) && animation_.frames.empty()) {
+      throw Error(Diagnostic{
+          {}, fmt::format("scene '{}' does not move", animation_.name), "a scene with key frames for --time and --frames", {}});
+    }
+    scene_ = animation_;
+    if (o.time) set_time(*o.time);
     (void)camera();
   }
+
+  /// What is built and shown from now on is the scene at that time.
+  void set_time(double time) { scene_ = scene_at(animation_, time); }
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const Camera& camera() const { return scene_.camera(o_.camera); }
@@ -179,10 +197,17 @@ class Studio {
   std::vector<MethodRef> workloads_;
   PipelineSpec spec_;
   Progress progress_{"render", 1};
-  Scene scene_;
+  Scene animation_;
+  Scene scene_;  ///< at the time that is shown
   std::unique_ptr<Accel> accel_;
   std::unique_ptr<TraceSession> session_;
 };
+
+/// Adds an image of the same width at the lower end.
+void put_below(Image& image, const Image& next) {
+  image.pixels.insert(image.pixels.end(), next.pixels.begin(), next.pixels.end());
+  image.height += next.height;
+}
 
 /// The shaded picture, and the heat maps before and after optimization, over one colour scale.
 Image comparison(Studio& studio, const Options& o) {
@@ -198,17 +223,40 @@ Image comparison(Studio& studio, const Options& o) {
   images.push_back(heat_map(after, scale));
   labels.push_back(fmt::format("{} + {}: {:.1f} steps", o.builder, fmt::join(o.optimizers, " + "), after.mean));
   Image row = side_by_side(images, labels);
-  if (o.legend) {
-    const Image legend = heat_legend(row.width, scale);
-    row.pixels.insert(row.pixels.end(), legend.pixels.begin(), legend.pixels.end());
-    row.height += legend.height;
-  }
+  if (o.legend) put_below(row, heat_legend(row.width, scale));
   return row;
+}
+
+/// Pictures at equally spaced times with a tree of their own each, in rows of about the same length, four at most.
+Image contact_sheet(Studio& studio, const Options& o) {
+  const std::size_t rows = (static_cast<std::size_t>(o.frames) + 3) / 4;
+  const std::size_t columns = (static_cast<std::size_t>(o.frames) + rows - 1) / rows;
+  const HeatMapOptions scale{.max_steps = o.max_steps, .legend = false};
+  std::vector<Image> images;
+  std::vector<std::string> labels;
+  for (const double time : uniform_times(static_cast<std::size_t>(o.frames))) {
+    studio.set_time(time);
+    studio.build(true);
+    images.push_back(o.heat_map ? heat_map(studio.steps(), scale) : tone_mapped(studio.shaded(), o.exposure));
+    labels.push_back(fmt::format("t = {:.3f}", time));
+  }
+  images.resize(rows * columns, filled_image(o.width, o.height, Vec3{1}));
+  labels.resize(images.size());
+  Image sheet;
+  for (std::size_t row = 0; row < rows; ++row) {
+    const Image strip =
+        side_by_side(std::span(images).subspan(row * columns, columns), std::span(labels).subspan(row * columns, columns));
+    sheet.width = strip.width;
+    put_below(sheet, strip);
+  }
+  if (o.heat_map && o.legend) put_below(sheet, heat_legend(sheet.width, scale));
+  return sheet;
 }
 
 Image picture(Studio& studio, const Options& o) {
   const bool raw = o.output.ends_with(".exr");
   if (o.compare) return comparison(studio, o);
+  if (o.frames > 0) return contact_sheet(studio, o);
   studio.build(true);
   if (!o.heat_map) {
     Image image = studio.shaded();
@@ -223,6 +271,9 @@ int render(Options o) {
   require_writable_image(o.output);
   if (o.compare && o.optimizers.empty()) {
     throw Error(Diagnostic{{}, "--compare has nothing to compare", "an optimizer, by --optimize", {}});
+  }
+  if (o.frames > 0 && (o.compare || o.output.ends_with(".exr"))) {
+    throw Error(Diagnostic{{}, fmt::format("--frames with {}", o.compare ? "--compare" : "an .exr file"), "either alone", {}});
   }
   o.heat_map = o.heat_map || o.compare;
   if (o.samples == 0) o.samples = o.heat_map && !o.compare ? 1 : 4;

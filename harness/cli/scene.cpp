@@ -63,9 +63,9 @@ void print_files(std::string_view title, const std::vector<CatalogFile>& files) 
 }
 
 int info(const std::string& name) {
-  for (const ProceduralInfo& procedural : procedural_scenes()) {
-    if (procedural.name != name) continue;
-    fmt::print("{}: {}\nbuilt in; any number of triangles from 1,000 to 100,000,000\n", name, procedural.summary);
+  if (const ProceduralInfo* built_in = find_procedural(name)) {
+    fmt::print("{}: {}\nbuilt in; any number of triangles from {} to {}{}\n", name, built_in->summary, procedural_triangles_min,
+               built_in->triangles_max(), built_in->frames > 0 ? fmt::format("; {} key frames", built_in->frames) : "");
     return exit_ok;
   }
   const Catalog catalog = read_catalog(catalog_path());

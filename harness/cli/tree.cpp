@@ -78,8 +78,7 @@ void print_tree(const std::string& name, const TreeFile& file, const CostModel& 
 std::string provenance(const Options& o, const PipelineSpec& spec) {
   std::string text;
   const auto add = [&text](std::string_view key, const std::string& value) { text += fmt::format("{:<12} {}\n", key, value); };
-  const auto& generators = procedural_scenes();
-  if (std::any_of(generators.begin(), generators.end(), [&o](const ProceduralInfo& info) { return info.name == o.scene; })) {
+  if (find_procedural(o.scene) != nullptr) {
     add("made with", fmt::format("--triangles {}", o.triangles));
   }
   add("seed", fmt::format("{}", o.seed));

@@ -13,10 +13,7 @@ namespace {
 
 bool is_path(std::string_view name) { return name.find('/') != std::string_view::npos; }
 
-bool is_procedural(std::string_view name) {
-  const auto& all = procedural_scenes();
-  return std::any_of(all.begin(), all.end(), [name](const ProceduralInfo& info) { return info.name == name; });
-}
+bool is_procedural(std::string_view name) { return find_procedural(name) != nullptr; }
 
 FileToRead to_read(const CatalogFile& file, const CatalogEntry& entry) {
   const auto path = find_file(file);

@@ -58,11 +58,6 @@ class SceneReader {
   }
 
  private:
-  [[nodiscard]] static bool is_generator(const std::string& name) {
-    const auto& all = procedural_scenes();
-    return std::any_of(all.begin(), all.end(), [&name](const ProceduralInfo& info) { return info.name == name; });
-  }
-
   void read_scene_spec(const std::string& name, const SourceLocation& where, const YamlNode* options) {
     reading_.declared["scene"].insert(name);
     const bool is_file = name.find('/') != std::string::npos;
@@ -75,7 +70,8 @@ class SceneReader {
     scene.name = name;
     scene.base = is_file ? std::filesystem::path(name).stem().string() : name;
     scene.where = where;
-    const bool generated = is_generator(name);
+    const ProceduralInfo* generator = find_procedural(name);
+    const bool generated = generator != nullptr;
     std::vector<std::int64_t> counts{0};
     if (options != nullptr && !options->is_null()) {
       Fields fields(reading_, *options, fmt::format("scene '{}'", name));
@@ -84,7 +80,7 @@ class SceneReader {
       if (generated) {
         scene.seed =
             static_cast<std::uint64_t>(std::get<std::int64_t>(fields.value(integer_param("seed", 1, "", 0, 9007199254740992.0))));
-        counts = read_counts(fields, scene);
+        counts = read_counts(fields, scene, generator->triangles_max());
       }
       fields.finish();
     } else if (generated) {
@@ -106,15 +102,15 @@ class SceneReader {
                     fmt::format("a count, such as '{}: {{triangles: 100000}}'", name));
   }
 
-  /// The triangle counts of a generator: one, or those of a list. Empty where they are wrong.
-  std::vector<std::int64_t> read_counts(Fields& fields, const SceneSpec& scene) {
+  /// The triangle counts of a generator: one, or those of a list, up to `most`. Empty where they are wrong.
+  std::vector<std::int64_t> read_counts(Fields& fields, const SceneSpec& scene, std::int64_t most) {
     const YamlNode* node = fields.find("triangles");
     if (node == nullptr) {
       if (fields.is_map()) report_no_count(scene.where, scene.name);
       return {};
     }
-    const ParamSpec spec = integer_param("triangles", 0, "", static_cast<double>(procedural_triangles_min),
-                                         static_cast<double>(procedural_triangles_max));
+    const ParamSpec spec =
+        integer_param("triangles", 0, "", static_cast<double>(procedural_triangles_min), static_cast<double>(most));
     std::vector<const YamlNode*> values{node};
     if (node->is_list()) {
       values.clear();

@@ -1,13 +1,16 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "harness/base/parallel.h"
 #include "harness/geometry/vec3.h"
 #include "harness/scene/scene.h"
+#include "scenes/procedural/numeric.h"
 
 namespace raystudy::procedural {
 
@@ -43,6 +46,7 @@ class Mesh {
   }
 
   [[nodiscard]] bool counting() const { return counting_; }
+  [[nodiscard]] std::size_t vertex_count() const { return vertex_count_; }
   [[nodiscard]] std::int64_t triangle_count() const { return static_cast<std::int64_t>(triangle_count_); }
   /// The material of what is added from now on.
   void material(std::uint32_t index) { material_ = index; }
@@ -57,6 +61,11 @@ class Mesh {
   void triangle(Vec3 a, Vec3 b, Vec3 c);
   /// Twelve triangles from `lower` to `upper` in the coordinates of `frame`.
   void box(const Frame& frame, Vec3 lower, Vec3 upper);
+  /// A closed ball of 8 n² triangles and 4 n² + 2 vertices: position(direction) for unit directions.
+  template <class F>
+  void ball(int n, F&& position);
+  /// Triangles that index `vertices`.
+  void surface(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 
   /// Gives every triangle so far the material pick(index, a, b, c).
   template <class F>
@@ -175,6 +184,68 @@ inline void Mesh::box(const Frame& frame, Vec3 lower, Vec3 upper) {
   for (const auto& f : faces) {
     *out++ = {{first + f[0], first + f[1], first + f[2]}};
     *out++ = {{first + f[0], first + f[2], first + f[3]}};
+  }
+}
+
+namespace ball_rings {
+
+// Rings of equal latitude from pole to pole: 1, 4, 8, ..., 4 n, ..., 8, 4, 1 vertices.
+constexpr std::uint32_t quarter(std::uint32_t ring, std::uint32_t n) { return ring < n ? ring : 2 * n - ring; }
+constexpr std::uint32_t first(std::uint32_t ring, std::uint32_t n) {
+  const std::uint32_t m = quarter(ring, n);
+  if (ring == 0) return 0;
+  return ring <= n ? 1 + 2 * m * (m - 1) : 4 * n * n + 1 - 2 * m * (m + 1);
+}
+/// Vertex `i` of quarter `q` of a ring.
+constexpr std::uint32_t vertex(std::uint32_t ring, std::uint32_t q, std::uint32_t i, std::uint32_t n) {
+  const std::uint32_t m = quarter(ring, n);
+  return m == 0 ? first(ring, n) : first(ring, n) + (q * m + i) % (4 * m);
+}
+
+}  // namespace ball_rings
+
+template <class F>
+void Mesh::ball(int n, F&& position) {
+  const auto size = static_cast<std::uint32_t>(n);
+  const auto [first, first_triangle] = add(std::size_t{4} * size * size + 2, std::size_t{8} * size * size);
+  if (counting_) return;
+  Triangle* out = &triangles_[first_triangle];
+  for (std::uint32_t ring = 0; ring <= 2 * size; ++ring) {
+    const std::uint32_t m = ball_rings::quarter(ring, size);
+    const double down = 0.25 * ring / size;
+    for (std::uint32_t i = 0; i < std::max(1U, 4 * m); ++i) {
+      const double turn = m == 0 ? 0 : 0.25 * i / m;
+      const float r = m == 0 ? 0 : sin_turns(down);
+      vertices_[first + ball_rings::first(ring, size) + i] =
+          position(Vec3{r * cos_turns(turn), cos_turns(down), r * sin_turns(turn)});
+    }
+  }
+  const auto at = [&, first = first](std::uint32_t ring, std::uint32_t q, std::uint32_t i) {
+    return first + ball_rings::vertex(ring, q, i, size);
+  };
+  for (std::uint32_t ring = 0; ring < 2 * size; ++ring) {
+    const bool widens = ring < size;
+    const std::uint32_t m = widens ? ring : 2 * size - ring - 1;  // a quarter has m cells on one ring, m + 1 on the other
+    for (std::uint32_t q = 0; q < 4; ++q) {
+      for (std::uint32_t i = 0; i <= m; ++i) {
+        if (widens) {
+          *out++ = {{at(ring, q, i), at(ring + 1, q, i + 1), at(ring + 1, q, i)}};
+          if (i < m) *out++ = {{at(ring, q, i), at(ring, q, i + 1), at(ring + 1, q, i + 1)}};
+        } else {
+          *out++ = {{at(ring + 1, q, i), at(ring, q, i), at(ring, q, i + 1)}};
+          if (i < m) *out++ = {{at(ring + 1, q, i), at(ring, q, i + 1), at(ring + 1, q, i + 1)}};
+        }
+      }
+    }
+  }
+}
+
+inline void Mesh::surface(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
+  const auto [first, first_triangle] = add(vertices.size(), triangles.size());
+  if (counting_) return;
+  std::copy(vertices.begin(), vertices.end(), vertices_.begin() + first);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    for (std::size_t i = 0; i < 3; ++i) triangles_[first_triangle + t].vertex[i] = first + triangles[t].vertex[i];
   }
 }
 

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+
+#include "scenes/procedural/numeric.h"
 
 namespace raystudy::procedural {
 
@@ -27,5 +30,13 @@ class Random {
  private:
   std::uint64_t state_;
 };
+
+/// A point of the unit sphere's surface: uniform height, uniform turn.
+inline Vec3 random_direction(Random& random) {
+  const float y = random.uniform(-1, 1);
+  const double turn = random.uniform();
+  const float r = std::sqrt(1 - y * y);
+  return {r * cos_turns(turn), y, r * sin_turns(turn)};
+}
 
 }  // namespace raystudy::procedural

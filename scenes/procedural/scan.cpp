@@ -5,7 +5,7 @@
 
 #include "harness/base/parallel.h"
 #include "harness/scene/procedural.h"
-#include "scenes/procedural/mesh.h"
+#include "scenes/procedural/bust.h"
 #include "scenes/procedural/noise.h"
 #include "scenes/procedural/numeric.h"
 #include "scenes/procedural/ornament.h"
@@ -230,7 +230,9 @@ void join(std::uint32_t low, std::uint64_t n, std::uint32_t high, std::uint64_t 
   }
 }
 
-void make_scan(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
+}  // namespace
+
+Surface bust(std::int64_t triangles, std::uint64_t seed) {
   const Rings rings = make_rings(triangles);
   const std::size_t count = rings.sizes.size();
   std::vector<std::size_t> first(count + 1, 1);  // vertex 0 is the lower pole
@@ -239,15 +241,15 @@ void make_scan(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
   std::vector<Vec3> vertices(top + 1);
   std::vector<Triangle> corners(2 * (top - 1));
   const float spacing = rings.points.size() > 8 ? 1.35F / static_cast<float>(count) : 0.1F;
-  const Bust bust(seed, spacing);
-  vertices[0] = bust.at(0, outline.front(), {0, -1});
-  vertices[top] = bust.at(0, outline.back(), {0, 1});
+  const Bust carved(seed, spacing);
+  vertices[0] = carved.at(0, outline.front(), {0, -1});
+  vertices[top] = carved.at(0, outline.back(), {0, 1});
   parallel_for_indices(count, [&](std::size_t i) {
     const std::uint32_t n = rings.sizes[i];
     for (std::uint32_t k = 0; k < n; ++k) {
       // The rings start behind the head, where nobody looks.
       const float turns = 0.5F + (static_cast<float>(k) + (i % 2 == 1 ? 0.5F : 0)) / static_cast<float>(n);
-      vertices[first[i] + k] = bust.at(turns, rings.points[i], rings.normals[i]);
+      vertices[first[i] + k] = carved.at(turns, rings.points[i], rings.normals[i]);
     }
   });
   const auto index = [&](std::size_t i) { return static_cast<std::uint32_t>(first[i]); };
@@ -262,8 +264,15 @@ void make_scan(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
   for (std::uint32_t k = 0; k < last; ++k) {
     cap[k] = {{index(count - 1) + k, index(count - 1) + (k + 1) % last, static_cast<std::uint32_t>(top)}};
   }
-  scene.vertices = SharedArray<Vec3>(std::move(vertices));
-  scene.triangles = SharedArray<Triangle>(std::move(corners));
+  return {std::move(vertices), std::move(corners)};
+}
+
+namespace {
+
+void make_scan(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
+  Surface surface = bust(triangles, seed);
+  scene.vertices = SharedArray<Vec3>(std::move(surface.vertices));
+  scene.triangles = SharedArray<Triangle>(std::move(surface.triangles));
   scene.materials = {{.name = "marble", .color = {0.58F, 0.55F, 0.50F}}};
   scene.lights = {
       {.name = "key", .position = {-0.75F, 0.75F, 0.62F}, .intensity = Vec3{1}, .point_at_infinity = true},

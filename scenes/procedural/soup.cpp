@@ -9,14 +9,6 @@
 namespace raystudy::procedural {
 namespace {
 
-/// A point of the unit sphere's surface: uniform height, uniform turn.
-Vec3 direction(Random& random) {
-  const float y = random.uniform(-1, 1);
-  const double turn = random.uniform();
-  const float r = std::sqrt(1 - y * y);
-  return {r * cos_turns(turn), y, r * sin_turns(turn)};
-}
-
 /// Triangles spread evenly in the unit cube and turned evenly, few large and many small: the longest arm of each is drawn so that
 /// areas span two orders of magnitude. Sizes go with N^(-1/3), so that a ray meets as many at every count.
 void make_soup(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
@@ -34,7 +26,7 @@ void make_soup(Scene& scene, std::int64_t triangles, std::uint64_t seed) {
     const Vec3 center{random.uniform(), random.uniform(), random.uniform()};
     const float arm = size * (0.15F + 0.85F * squared(squared(random.uniform())));
     for (std::size_t i = 0; i < 3; ++i) {
-      vertices[3 * t + i] = center + direction(random) * (arm * random.uniform(0.5F, 1));
+      vertices[3 * t + i] = center + random_direction(random) * (arm * random.uniform(0.5F, 1));
       indices[t].vertex[i] = static_cast<std::uint32_t>(3 * t + i);
     }
     materials[t] = static_cast<std::uint32_t>(random.below(6));

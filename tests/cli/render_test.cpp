@@ -4,7 +4,10 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
+#include <vector>
 
 #include "tests/cli/raystudy.h"
 
@@ -51,6 +54,36 @@ TEST_F(Render, ComparesBeforeAndAfterOptimization) {
   const Outcome outcome = raystudy(fmt::format("render {} --compare --optimize insertion -o {}", small, file("c.png")));
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_TRUE(std::filesystem::exists(file("c.png")));
+}
+
+TEST_F(Render, ShowsAnAnimationAtATimeOrOnAContactSheet) {
+  const std::string animated = "render fracture --triangles 1000 --width 32 --height 24 --samples 1 --ambient-rays 1 -o ";
+  std::vector<std::string> pictures;
+  for (const char* time : {"", " --time 0", " --time 0.5", " --time 1"}) {
+    const Outcome outcome = raystudy(animated + file("t.exr") + time);
+    EXPECT_EQ(outcome.code, 0) << outcome.text;
+    std::ifstream picture(file("t.exr"), std::ios::binary);
+    pictures.emplace_back(std::istreambuf_iterator<char>(picture), std::istreambuf_iterator<char>());
+  }
+  EXPECT_EQ(pictures[0], pictures[1]) << "the first key frame";
+  EXPECT_NE(pictures[1], pictures[2]);
+  EXPECT_NE(pictures[2], pictures[3]);
+  for (const char* more : {" --frames 5", " --frames 3 --heat-map --workload primary"}) {
+    const Outcome outcome = raystudy(animated + file("sheet.png") + more);
+    EXPECT_EQ(outcome.code, 0) << outcome.text;
+  }
+}
+
+TEST_F(Render, TimesNeedAnAnimation) {
+  const std::string message = "scene 'atrium' does not move; expected a scene with key frames for --time and --frames";
+  expect_error("atrium --triangles 1000 --time 0 -o " + file("a.png"), message);
+  expect_error("atrium --triangles 1000 --frames 2 -o " + file("a.png"), message);
+  expect_error("fracture --frames 2 -o " + file("a.exr"), "--frames with an .exr file; expected either alone");
+  expect_error("fracture --frames 2 --compare --optimize insertion -o " + file("a.png"),
+               "--frames with --compare; expected either alone");
+  const Outcome outcome = raystudy("render fracture --triangles 1000 --time 1.5 -o " + file("a.png"));
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.text, testing::HasSubstr("1.5"));
 }
 
 TEST_F(Render, ComparingNeedsAnOptimizer) {
