@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <numeric>
+#include <ranges>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -76,7 +77,7 @@ DepthFirst depth_first(const Tree& tree, bool larger_first) {
     if (larger_first) {
       std::stable_sort(children.begin(), children.end(), [](const Child& a, const Child& b) { return a.area > b.area; });
     }
-    for (auto child = children.rbegin(); child != children.rend(); ++child) pending.push_back({*child, depth + 1});
+    for (const Child& child : std::views::reverse(children)) pending.push_back({child, depth + 1});
   }
   return out;
 }

@@ -203,6 +203,7 @@ class PacketTraversal : PacketState<D, Counter> {
       for (unsigned met = cull(nodes()[index], enter.data()); met != 0; met &= met - 1) {
         const auto slot = static_cast<std::uint32_t>(std::countr_zero(met));
         siblings.add({order(slot, enter[slot]), slot, index, range});
+        this->tree_.prefetch(nodes()[index].child[slot]);
       }
       return siblings.first;
     };

@@ -155,7 +155,9 @@ class StreamTraversal {
         hn::Store(sum, du, met[w].data() + lane);
       }
     }
+    const std::size_t bottom = top_;
     push(node, met, order);
+    for (std::size_t i = bottom; i < top_; ++i) tree_.prefetch(children_[i]);
   }
 
   HWY_INLINE void push(const Node& node, const ChildMasks& met, const one::RayOrder<D>& order) {

@@ -174,6 +174,8 @@ class RaysInFlight {
     inner_count_ += 1 - is_leaf;
     leaf_count_ += is_leaf - is_landed;
     landed_count_ += is_landed;
+    // In the place of one that has landed the root, which is at hand.
+    tree_.prefetch(child & (static_cast<std::uint32_t>(is_landed) - 1));
   }
 
   void visit_inner_nodes() {

@@ -83,7 +83,9 @@ Tree::Tree(const WideBvh& bvh)
       triangles(bvh.triangles.data()),
       bounds(bvh.bounds),
       slabs(bvh.bounds),
-      height(bvh.height) {}
+      height(bvh.height),
+      arrays_{{{static_cast<const char*>(nodes), bvh.visit([](const auto& all) { return sizeof(all[0]); })},
+               {reinterpret_cast<const char*>(corners), 9 * sizeof(float)}}} {}
 
 bool finish_triangle(const float* rows, std::uint32_t n, std::uint32_t i, std::uint32_t triangle, const TriangleRay& ray,
                      float tmin, Hit& hit) {
