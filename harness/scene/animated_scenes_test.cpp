@@ -1,13 +1,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <tuple>
 
 #include "harness/base/error.h"
 #include "harness/base/parallel.h"
+#include "harness/scene/open.h"
 #include "harness/scene/procedural.h"
+#include "harness/scene/test_files.h"
 
 namespace raystudy {
 namespace {
@@ -178,6 +181,181 @@ TEST(AnimatedScenes, TrianglesOfMuseumFlyThroughTheHall) {
     EXPECT_GE(cloud.lower[i], scene.bounds.lower[i] - 0.05F);
     EXPECT_LE(cloud.upper[i], scene.bounds.upper[i] + 0.05F);
   }
+}
+
+/// Vertices that triangles join.
+std::vector<std::vector<std::uint32_t>> components(const Scene& scene) {
+  std::vector<std::uint32_t> leader(scene.vertices.size());
+  for (std::uint32_t v = 0; v < leader.size(); ++v) leader[v] = v;
+  const auto find = [&](std::uint32_t v) {
+    while (leader[v] != v) v = leader[v] = leader[leader[v]];
+    return v;
+  };
+  for (const Triangle& t : scene.triangles) {
+    for (int i = 1; i < 3; ++i) leader[find(t[i])] = find(t[0]);
+  }
+  std::map<std::uint32_t, std::vector<std::uint32_t>> members;
+  for (std::uint32_t v = 0; v < leader.size(); ++v) members[find(v)].push_back(v);
+  std::vector<std::vector<std::uint32_t>> all;
+  all.reserve(members.size());
+  for (auto& [first, vertices] : members) all.push_back(std::move(vertices));
+  return all;
+}
+
+struct Round {
+  Vec3 center;
+  float radius = 0;
+};
+Round around(const std::vector<std::uint32_t>& vertices, const SharedArray<Vec3>& frame) {
+  Round ball;
+  for (const std::uint32_t v : vertices) ball.center += frame[v] / static_cast<float>(vertices.size());
+  for (const std::uint32_t v : vertices) ball.radius = std::max(ball.radius, length(frame[v] - ball.center));
+  return ball;
+}
+
+TEST(AnimatedScenes, BallsKeepTheirShapeStayInTheBoxAndDoNotOverlap) {
+  const Scene scene = make_procedural("balls", 20'000, 1);
+  const std::vector<bool> moves = movers(scene);
+  auto balls = components(scene);
+  std::erase_if(balls, [&](const auto& vertices) { return !moves[vertices[0]]; });
+  EXPECT_EQ(balls.size(), 500U);
+  constexpr float tolerance = 0.03F;  // of a radius
+  for (const auto& frame : scene.frames) {
+    std::vector<Round> now;
+    for (const auto& vertices : balls) {
+      now.push_back(around(vertices, frame));
+      const Round& ball = now.back();
+      EXPECT_NEAR(ball.radius, around(vertices, scene.vertices).radius, 1e-5);
+      EXPECT_GE(ball.center.y, ball.radius * (1 - tolerance));
+      EXPECT_LE(std::max(std::fabs(ball.center.x), std::fabs(ball.center.z)), 1 - ball.radius * (1 - tolerance));
+    }
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        const float reach = now[i].radius + now[k].radius;
+        ASSERT_GE(length(now[i].center - now[k].center), reach - tolerance * std::min(now[i].radius, now[k].radius));
+      }
+    }
+  }
+}
+
+TEST(AnimatedScenes, BallsLoseEnergyAndNeverGainIt) {
+  const Scene scene = make_procedural("balls", 20'000, 1);
+  const std::vector<bool> moves = movers(scene);
+  auto balls = components(scene);
+  std::erase_if(balls, [&](const auto& vertices) { return !moves[vertices[0]]; });
+  const double dt = 1.0 / 48;
+  const auto energy = [&](std::size_t f) {  // between frames f and f + 1; of motion without spin
+    double sum = 0;
+    for (const auto& vertices : balls) {
+      const Round a = around(vertices, scene.frames[f]);
+      const Round b = around(vertices, scene.frames[f + 1]);
+      const double speed = length(b.center - a.center) / dt;
+      sum += std::pow(a.radius, 3) * (0.5 * speed * speed + 9.81 * 0.5 * (a.center.y + b.center.y));
+    }
+    return sum;
+  };
+  double before = energy(0);
+  for (std::size_t f = 5; f + 1 < scene.frames.size(); f += 5) {
+    const double now = energy(f);
+    EXPECT_LT(now, before * 1.02) << "frame " << f;
+    before = now;
+  }
+  EXPECT_LT(before, 0.5 * energy(0));
+}
+
+bool is_cloth(const Scene& scene, std::size_t t) {
+  const std::string& name = scene.material_of(static_cast<std::uint32_t>(t)).name;
+  return name == "warp" || name == "weft";
+}
+
+TEST(AnimatedScenes, ClothStaysOutsideTheBallAndAboveTheGround) {
+  for (const std::int64_t triangles : {1'000, 60'000}) {
+    const Scene scene = make_procedural("cloth", triangles, 1);
+    bool lies = false;
+    for (const auto& frame : scene.frames) {
+      for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
+        if (!is_cloth(scene, t)) continue;
+        for (const std::uint32_t v : scene.triangles[t].vertex) {
+          ASSERT_GE(length(frame[v] - Vec3{0, 0.62F, 0}), 0.6F);
+          ASSERT_GE(frame[v].y, 0);
+          lies = lies || length(frame[v] - Vec3{0, 0.62F, 0}) < 0.62F;
+        }
+      }
+    }
+    EXPECT_TRUE(lies) << "on the ball";
+  }
+}
+
+/// The sides of a triangle of the cloth that run along threads: not the diagonal, which is the longest at rest.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> threads_of(const Scene& scene, const Triangle& t) {
+  std::array<std::pair<float, int>, 3> sides;
+  for (int i = 0; i < 3; ++i) {
+    sides[static_cast<std::size_t>(i)] = {length(scene.vertices[t[i]] - scene.vertices[t[(i + 1) % 3]]), i};
+  }
+  std::sort(sides.begin(), sides.end());
+  return {{t[sides[0].second], t[(sides[0].second + 1) % 3]}, {t[sides[1].second], t[(sides[1].second + 1) % 3]}};
+}
+
+TEST(AnimatedScenes, ThreadsOfTheClothHardlyStretch) {
+  // Up to 129 masses a side every vertex is one; between masses, a smooth surface is a little longer where it folds.
+  for (const auto& [triangles, most] : {std::pair{1'000, 1.1F}, std::pair{35'000, 1.12F}, std::pair{60'000, 1.25F}}) {
+    const Scene scene = make_procedural("cloth", triangles, 1);
+    for (const auto& frame : scene.frames) {
+      double sum = 0;
+      std::size_t count = 0;
+      for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
+        if (!is_cloth(scene, t)) continue;
+        for (const auto& [a, b] : threads_of(scene, scene.triangles[t])) {
+          const float stretch = length(frame[a] - frame[b]) / length(scene.vertices[a] - scene.vertices[b]);
+          ASSERT_LT(stretch, most) << triangles;
+          sum += stretch;
+          ++count;
+        }
+      }
+      EXPECT_NEAR(sum / static_cast<double>(count), 1, 0.02);
+    }
+  }
+}
+
+TEST(AnimatedScenes, RunnersCrossALargeSceneOnLimbsThatKeepTheirLength) {
+  const Scene scene = make_procedural("runners", 20'000, 1);
+  const std::vector<bool> moves = movers(scene);
+  std::size_t still = 0;
+  for (const Triangle& t : scene.triangles) {
+    if (!moves[t[0]]) {
+      ++still;
+      continue;
+    }
+    for (const auto& frame : scene.frames) {
+      for (int i = 0; i < 3; ++i) {
+        const Vec3 side = scene.vertices[t[i]] - scene.vertices[t[(i + 1) % 3]];
+        ASSERT_NEAR(length(frame[t[i]] - frame[t[(i + 1) % 3]]), length(side), 1e-4);
+      }
+    }
+  }
+  EXPECT_GT(still, scene.triangles.size() / 4);
+  const auto& last = scene.frames.back();
+  for (std::size_t v = 0; v < moves.size(); ++v) {
+    if (!moves[v]) continue;
+    EXPECT_GT(length(last[v] - scene.vertices[v]), 15);
+    EXPECT_LT(length(last[v] - scene.vertices[v]), 35);
+    for (const auto& frame : scene.frames) ASSERT_GT(frame[v].y, -0.05F) << "a foot in the ground";
+  }
+}
+
+TEST(AnimatedScenes, SimulatedOnesAreKeptInTheCache) {
+  const test::CleanEnvironment environment;
+  const Scene made = open_scene("cloth", 1'000, 5);
+  const auto files = environment.folder.names();
+  EXPECT_EQ(std::count_if(files.begin(), files.end(), [](const std::string& name) { return name.ends_with(".scene"); }), 1);
+  const Scene kept = open_scene("cloth", 1'000, 5);
+  EXPECT_EQ(kept.hash, made.hash);
+  EXPECT_EQ(kept.name, "cloth");
+  ASSERT_EQ(kept.frames.size(), made.frames.size());
+  EXPECT_TRUE(std::equal(kept.frames[49].begin(), kept.frames[49].end(), made.frames[49].begin()));
+  EXPECT_EQ(kept.cameras[1].name, made.cameras[1].name);
+  EXPECT_NE(open_scene("cloth", 1'000, 6).hash, made.hash);
+  EXPECT_NE(open_scene("cloth", 1'100, 5).triangles.size(), made.triangles.size());
 }
 
 }  // namespace

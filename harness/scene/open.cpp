@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
+#include "harness/scene/bytes.h"
 #include "harness/scene/load.h"
+#include "harness/scene/parsed_cache.h"
 #include "harness/scene/procedural.h"
 #include "harness/scene/read.h"
 
@@ -14,6 +17,16 @@ namespace {
 bool is_path(std::string_view name) { return name.find('/') != std::string_view::npos; }
 
 bool is_procedural(std::string_view name) { return find_procedural(name) != nullptr; }
+
+Scene open_procedural(std::string_view name, std::int64_t triangles, std::uint64_t seed) {
+  const int version = find_procedural(name)->cache_version;
+  if (version == 0) return make_procedural(name, triangles, seed);
+  const std::string key = xxh3_hex(fmt::format("procedural {} {} {} version {}", name, triangles, seed, version));
+  if (auto cached = find_parsed(key, name)) return std::move(cached->scene);
+  Scene scene = make_procedural(name, triangles, seed);
+  keep_parsed(key, {scene, {}, {}});
+  return scene;
+}
 
 FileToRead to_read(const CatalogFile& file, const CatalogEntry& entry) {
   const auto path = find_file(file);
@@ -69,7 +82,7 @@ const CatalogEntry& catalog_entry(const Catalog& catalog, std::string_view name)
 
 Scene open_scene(const Catalog& catalog, std::string_view name, std::int64_t triangles, std::uint64_t seed) {
   if (is_path(name)) return read_scene(name);
-  if (is_procedural(name)) return make_procedural(name, triangles, seed);
+  if (is_procedural(name)) return open_procedural(name, triangles, seed);
   return open_entry(catalog_entry(catalog, name));
 }
 

@@ -24,12 +24,13 @@ Generators& generators() {
 
 }  // namespace
 
-ProceduralRegistration::ProceduralRegistration(std::string name, std::string summary, ProceduralMaker make, int frames) {
+ProceduralRegistration::ProceduralRegistration(std::string name, std::string summary, ProceduralMaker make, int frames,
+                                               int cache_version) {
   auto& [infos, makers] = generators();
   const auto place = std::lower_bound(infos.begin(), infos.end(), name,
                                       [](const ProceduralInfo& info, const std::string& wanted) { return info.name < wanted; });
   makers.insert(makers.begin() + (place - infos.begin()), make);
-  infos.insert(place, {std::move(name), std::move(summary), frames});
+  infos.insert(place, {std::move(name), std::move(summary), frames, cache_version});
 }
 
 const std::vector<ProceduralInfo>& procedural_scenes() { return generators().infos; }

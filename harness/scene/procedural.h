@@ -16,6 +16,9 @@ struct ProceduralInfo {
   std::string name;
   std::string summary;
   int frames = 0;  ///< key frames; 0: static
+  /// Of a scene that takes longer to make than to load: open_scene keeps it in the parsed-scene cache. Raised with every change of
+  /// what the generator makes; 0: not kept.
+  int cache_version = 0;
   /// An animated scene holds every key frame in memory: at most 4 · 10⁶ triangles.
   [[nodiscard]] std::int64_t triangles_max() const { return frames == 0 ? 100'000'000 : 4'000'000; }
 };
@@ -33,7 +36,7 @@ using ProceduralMaker = void (*)(Scene& scene, std::int64_t triangles, std::uint
 
 /// A static object of this at the end of a generator's file (scenes/procedural/NAME.cpp) adds the scene.
 struct ProceduralRegistration {
-  ProceduralRegistration(std::string name, std::string summary, ProceduralMaker make, int frames = 0);
+  ProceduralRegistration(std::string name, std::string summary, ProceduralMaker make, int frames = 0, int cache_version = 0);
 };
 
 }  // namespace raystudy

@@ -77,15 +77,18 @@ TEST(ProceduralScenes, KeepTheirHashes) {
   std::map<std::string, std::string> hashes;
   for (const std::string& name : names()) hashes[name] = make_procedural(name, 2'000, 1).hash;
   const std::map<std::string, std::string> expected{
-      {"atrium", "2029142fb54fe0bbf67a8af55f725ae7"},   {"city", "c002cc5533dab039e529f52240e22ad5"},
-      {"fracture", "a174ec8d40c6725e3bc5eea02d918d36"}, {"museum", "b3a1d3768e1184aa4a03aa71ad8753d7"},
-      {"scan", "27a09fc0dbcbbc61efe8e85bad9498ab"},     {"soup", "3e37af1dbe63946d73c020abb0f1d677"},
-      {"stadium", "dd19257abce32dc87c08a9a0ce8861a5"},  {"terrain", "184069dd747e6bc824e469f1de1a760c"}};
+      {"atrium", "2029142fb54fe0bbf67a8af55f725ae7"}, {"balls", "952a415938ffc6045f236ade8a6bb59d"},
+      {"cloth", "cd0a500bb923b8dc17dde936835d1539"},  {"runners", "d6bdaab3dbb64dd84d1a7024e91752c9"},
+      {"city", "c002cc5533dab039e529f52240e22ad5"},   {"fracture", "a174ec8d40c6725e3bc5eea02d918d36"},
+      {"museum", "b3a1d3768e1184aa4a03aa71ad8753d7"}, {"scan", "27a09fc0dbcbbc61efe8e85bad9498ab"},
+      {"soup", "3e37af1dbe63946d73c020abb0f1d677"},   {"stadium", "dd19257abce32dc87c08a9a0ce8861a5"},
+      {"terrain", "184069dd747e6bc824e469f1de1a760c"}};
   EXPECT_EQ(hashes, expected);
 }
 
 TEST(ProceduralScenes, AreThose) {
-  EXPECT_THAT(names(), ElementsAre("atrium", "city", "fracture", "museum", "scan", "soup", "stadium", "terrain"));
+  EXPECT_THAT(names(), ElementsAre("atrium", "balls", "city", "cloth", "fracture", "museum", "runners", "scan", "soup", "stadium",
+                                   "terrain"));
 }
 
 TEST(ProceduralScenes, ScanIsClosed) {
@@ -146,9 +149,8 @@ TEST(ProceduralScenes, CityIsTurnedOffTheAxesAndHasLongThinTriangles) {
 
 TEST(ProceduralScenes, UnknownNameGivesTheNearest) {
   EXPECT_EQ(message_of("atrum", 1000),
-            "there is no procedural scene 'atrum'; expected one of atrium, city, fracture, museum, scan, soup, stadium, terrain; "
-            "did you mean "
-            "'atrium'?");
+            "there is no procedural scene 'atrum'; expected one of atrium, balls, city, cloth, fracture, museum, runners, scan, "
+            "soup, stadium, terrain; did you mean 'atrium'?");
 }
 
 TEST(ProceduralScenes, CountsHaveARange) {
