@@ -4,9 +4,11 @@
 #include <cstdlib>
 
 #include "harness/method/registry.h"
+#include "harness/report/clusters.h"
 #include "harness/report/figure.h"
 #include "harness/report/picture.h"
 #include "harness/run/pipeline.h"
+#include "harness/scene/animation.h"
 #include "harness/scene/open.h"
 
 namespace raystudy {
@@ -66,29 +68,64 @@ class SceneDrawer {
     write(side_by_side(images, labels), "", ".png");
   }
 
+  void film_strips() {
+    const auto frames = static_cast<std::size_t>(std::stoul(figure_.options.at("frames")));
+    const auto most = static_cast<std::uint32_t>(std::stoul(figure_.options.at("triangles")));
+    RenderOptions options;
+    options.width = std::stoi(figure_.options.at("width"));
+    options.height = std::stoi(figure_.options.at("height"));
+    const std::vector<double> times = uniform_times(frames);
+    for (const std::string& method : figure_.methods) {
+      const PipelineSpec& spec = labelled(plan_.pipelines, method);
+      const Pipeline pipeline(spec);
+      StageTimes ignored;
+      const auto session = prepare_updates(pipeline, spec, scene_, times, context(), ignored);
+      std::vector<Image> images;
+      std::vector<std::string> labels;
+      for (std::size_t f = 0; f < frames; ++f) {
+        const Scene frame = scene_at(scene_, times[f]);
+        const auto* bvh = dynamic_cast<const Bvh2*>(session->update(frame, f).accel);
+        if (bvh == nullptr) throw Error(fmt::format("a film strip shows binary trees, which '{}' does not make", method));
+        images.push_back(shaded(colored_by_cluster(frame, clusters_of(*bvh, most)), figure_.options.at("camera"), options));
+        labels.push_back(fmt::format("time {:.2f}", times[f]));
+      }
+      write(side_by_side(images, labels), method, ".png");
+    }
+  }
+
  private:
-  [[nodiscard]] std::unique_ptr<Accel> build(const PipelineSpec& spec) const {
+  [[nodiscard]] BuildContext context() const {
     BuildContext context;
     context.threads = plan_.threads;
     context.seed = plan_.seed;
     context.cost = make_cost_model(plan_.cost, scene_, plan_.threads, plan_.seed);
+    return context;
+  }
+
+  [[nodiscard]] std::unique_ptr<Accel> build(const PipelineSpec& spec) const {
     StageTimes times;
-    return Pipeline(spec).run(scene_, context, times);
+    return Pipeline(spec).run(scene_, context(), times);
   }
 
   /// The view of the first workload, at its size.
   [[nodiscard]] Image shaded() const {
     const MethodRef& workload = labelled(plan_.workloads, figure_.workloads.front()).workload;
-    PipelineSpec embree;
-    embree.builder = Registry::instance().ref(Role::builder, "embree");
-    const auto accel = build(embree);
-    const auto tracer = Registry::instance().create<Tracer>(Registry::instance().ref(Role::tracer, "embree"));
-    const auto session = tracer->prepare(*accel, scene_, plan_.threads, false);
     RenderOptions options;
     options.width = static_cast<int>(workload.params->integer("width"));
     options.height = static_cast<int>(workload.params->integer("height"));
+    return shaded(scene_, workload.params->text("camera"), options);
+  }
+
+  /// By way of Embree, whatever the figure is about.
+  [[nodiscard]] Image shaded(const Scene& scene, const std::string& camera, RenderOptions options) const {
+    const Registry& registry = Registry::instance();
+    BuildContext context;
+    context.threads = plan_.threads;
+    const auto accel = registry.create<Builder>(registry.ref(Role::builder, "embree"))->build(scene, context);
+    const auto tracer = registry.create<Tracer>(registry.ref(Role::tracer, "embree"));
+    const auto session = tracer->prepare(*accel, scene, plan_.threads, false);
     options.seed = plan_.seed;
-    return tone_mapped(render_shaded(scene_, scene_.camera(workload.params->text("camera")), *session, options));
+    return tone_mapped(render_shaded(scene, scene.camera(camera), *session, options));
   }
 
   StepMap steps(const std::string& method) {
@@ -135,6 +172,8 @@ void draw_pictures(const FigureSpec& figure, const Plan& plan, const fs::path& f
       SceneDrawer drawer(figure, plan, labelled(plan.scenes, label), folder, outcome);
       if (figure.kind == "render") {
         drawer.render();
+      } else if (figure.kind == "film-strip") {
+        drawer.film_strips();
       } else {
         drawer.heat_maps();
       }

@@ -46,7 +46,7 @@ std::vector<FigureOutcome> write_figures(const Report& report, const fs::path& f
     FigureOutcome& outcome = outcomes.emplace_back();
     outcome.name = figure.name;
     try {
-      if (figure.kind == "heat-map" || figure.kind == "render") {
+      if (figure.kind == "heat-map" || figure.kind == "render" || figure.kind == "film-strip") {
         draw_pictures(figure, report.plan(), folder, outcome);
       } else {
         draw_plot(figure, report, folder, outcome);

@@ -56,17 +56,11 @@ double bytes_of(const Rays& rays) {
 AnimationRun::AnimationRun(Worker& worker, std::size_t frames)
     : worker_(worker), times_(uniform_times(frames)), workloads_(worker.workloads()), kept_(frames) {}
 
-/// What is built while the animation plays is traced by nobody and timed with the update, not here.
 std::unique_ptr<UpdateSession> AnimationRun::prepare(const Played& played, StageTimes& times, std::vector<CostSample>* trace) {
   const PipelineWork& work = *played.work;
   BuildContext context = worker_.context_of(work);
-  const auto first = std::make_shared<std::vector<CostSample>*>(trace);
-  const TreeBuild build = [&work, context, &times, first](const Scene& scene) {
-    BuildContext own = context;
-    own.cost_trace = std::exchange(*first, nullptr);  // of several trees, the first one's
-    return work.pipeline->make_tree(scene, own, times);
-  };
-  return played.updater->prepare(*worker_.scene_, times_, build, context);
+  context.cost_trace = trace;
+  return prepare_updates(*work.pipeline, worker_.plan_.pipelines[work.index], *worker_.scene_, times_, context, times);
 }
 
 void AnimationRun::prepare_all() {
@@ -78,12 +72,10 @@ void AnimationRun::prepare_all() {
     const bool ready = worker_.guarded(Spent::warm_up, Scope::pipeline, index, "building", [&] {
       const PipelineSpec& spec = worker_.plan_.pipelines[index];
       played->work->pipeline = std::make_unique<Pipeline>(spec);
-      played->updater = Registry::instance().create<Updater>(*spec.updater);
       const ThreadLimit limit(spec.threads);
       const PeakMemory peak;
       std::vector<CostSample> trace;
       played->session = prepare(*played, played->work->first_times, &trace);
-      if (!played->session) throw Error(fmt::format("'{}': its updater prepared nothing", spec.label));
       CellResult& result = played->work->build_result;
       if (const std::optional<double> bytes = peak.bytes()) {
         result.values["peak_memory"] = {ValueClass::absolute, "bytes", {*bytes}};

@@ -35,7 +35,6 @@ class AnimationRun {
   };
   struct Played {
     std::unique_ptr<PipelineWork> work;
-    std::unique_ptr<Updater> updater;
     std::unique_ptr<UpdateSession> session;
     Passes seconds;
     std::vector<double> costs;

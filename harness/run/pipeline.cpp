@@ -6,6 +6,7 @@
 #include <chrono>
 #include <numeric>
 #include <type_traits>
+#include <utility>
 
 #include "harness/base/error.h"
 #include "harness/method/registry.h"
@@ -90,6 +91,22 @@ std::unique_ptr<Accel> Pipeline::encode(const Accel& tree, const Scene& scene, c
   times.encode += watch.seconds();
   if (!encoded) throw Error(fmt::format("'{}': its encoder made nothing", label_));
   return encoded;
+}
+
+std::unique_ptr<UpdateSession> prepare_updates(const Pipeline& pipeline, const PipelineSpec& spec, const Scene& animation,
+                                               std::span<const double> frames, const BuildContext& context, StageTimes& times) {
+  const auto first = std::make_shared<std::vector<CostSample>*>(context.cost_trace);
+  const TreeBuild build = [&pipeline, &times, context, first](const Scene& scene) {
+    BuildContext own = context;
+    own.cost_trace = std::exchange(*first, nullptr);
+    return pipeline.make_tree(scene, own, times);
+  };
+  BuildContext own = context;
+  own.cost_trace = nullptr;
+  const auto updater = Registry::instance().create<Updater>(*spec.updater);
+  std::unique_ptr<UpdateSession> session = updater->prepare(animation, frames, build, own);
+  if (!session) throw Error(fmt::format("'{}': its updater prepared nothing", spec.label));
+  return session;
 }
 
 CostModel make_cost_model(const CostSpec& spec, const Scene& scene, int threads, std::uint64_t seed) {

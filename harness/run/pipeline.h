@@ -54,6 +54,12 @@ class Pipeline {
   std::unique_ptr<Encoder> encoder_;
 };
 
+/// The updater of `spec`, prepared: its trees are made by `pipeline`, and their times added to `times`, which must outlive the
+/// session as `pipeline` must. `context.cost_trace` gets the samples of the first tree. Throws Error where nothing was prepared.
+[[nodiscard]] std::unique_ptr<UpdateSession> prepare_updates(const Pipeline& pipeline, const PipelineSpec& spec,
+                                                             const Scene& animation, std::span<const double> frames,
+                                                             const BuildContext& context, StageTimes& times);
+
 /// The cost model of an experiment on a scene, its heuristic prepared there.
 [[nodiscard]] CostModel make_cost_model(const CostSpec& spec, const Scene& scene, int threads, std::uint64_t seed);
 

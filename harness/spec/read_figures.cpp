@@ -42,6 +42,11 @@ class FigureReader {
     }
     for (const ParamSpec& option : kind->options) figure.options[option.name] = label_text(fields.value(option));
     bool traced = kind->traced;
+    if (figure.kind == "film-strip" && !plan_.animation) {
+      reading_.report(kind_node->where,
+                      fmt::format("figure '{}' is a film strip, and the experiment plays no animation", figure.name),
+                      "'animation: {frames: 50}' in the experiment");
+    }
     if (figure.kind == "line") traced = check_line(fields, figure);
     if (traced) read_tracing(fields, figure, *kind);
     fields.finish();

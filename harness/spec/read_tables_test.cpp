@@ -355,9 +355,9 @@ TEST(ReadFigures, AParetoPlotTakesTracedMethodsWithTheirOwnTracers) {
 TEST(ReadFigures, Mistakes) {
   EXPECT_EQ(errors("figures: 1\n"), "x.yaml:9:10: 'figures' is the integer 1; expected a map of name to figure");
   EXPECT_EQ(errors("figures: {f: {}}\n"),
-            "x.yaml:9:14: figure 'f' has no 'kind'; expected one of heat-map, render, depth-histogram, pareto, line");
+            "x.yaml:9:14: figure 'f' has no 'kind'; expected one of heat-map, render, film-strip, depth-histogram, pareto, line");
   EXPECT_EQ(errors("figures: {f: {kind: heatmap}}\n"),
-            "x.yaml:9:21: there is no kind of figure 'heatmap'; expected one of heat-map, render, depth-histogram, pareto, line; "
+            "x.yaml:9:21: there is no kind of figure 'heatmap'; expected one of heat-map, render, film-strip, depth-histogram, pareto, line; "
             "did you mean "
             "'heat-map'?");
   EXPECT_EQ(errors("figures: {f: {kind: depth-histogram, methods: [x]}}\n"),
