@@ -1,0 +1,99 @@
+// Refitting a tree in memory: how near it comes to what the machine can move. Each line gives bytes a second: of a copy of a
+// large block those read and those written; of a refit the nodes read and written, and the positions and indices of the
+// triangles' vertices read, each once. Of terrain, whose tree has one triangle a leaf, from a builder and in other orders in
+// memory.
+//   refit_benchmark --benchmark_filter='copy|terrain' --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
+
+#include <benchmark/benchmark.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <string>
+
+#include "harness/accel/node_order.h"
+#include "harness/accel/refit.h"
+#include "harness/base/parallel.h"
+#include "harness/method/registry.h"
+#include "harness/scene/open.h"
+
+namespace raystudy {
+namespace {
+
+struct Input {
+  Scene scene;
+  Bvh2 bvh;
+};
+
+Input& input(const std::string& order, std::int64_t triangles) {
+  static std::map<std::pair<std::string, std::int64_t>, Input> inputs;
+  const auto [at, is_new] = inputs.try_emplace({order, triangles});
+  if (is_new) {
+    at->second.scene = open_scene("terrain", triangles);
+    const auto ref = Registry::instance().ref(Role::builder, "sweep-sah");
+    BuildContext context;
+    context.threads = 2;
+    at->second.bvh = dynamic_cast<Bvh2&>(*Registry::instance().create<Builder>(ref)->build(at->second.scene, context));
+    if (order != "built") arrange(at->second.bvh, node_order(order), Pages::huge);
+  }
+  return at->second;
+}
+
+void copy(benchmark::State& state, int threads) {
+  constexpr std::size_t bytes = std::size_t{1} << 28U;
+  const AlignedVector<char> from(bytes, 1);
+  AlignedVector<char> to(bytes);
+  const auto blocks = static_cast<std::size_t>(threads);
+  for (auto _ : state) {
+    with_threads(threads, [&] {
+      parallel_for_each(blocks, [&](std::size_t i) {
+        std::memcpy(to.data() + i * bytes / blocks, from.data() + i * bytes / blocks, bytes / blocks);
+      });
+    });
+    benchmark::ClobberMemory();
+  }
+  state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * 2 * bytes));
+}
+
+void refit(benchmark::State& state, RefitMethod method, int threads, const std::string& order, std::int64_t triangles) {
+  Input& in = input(order, triangles);
+  Refitter refitter(in.bvh, in.scene.triangles, method, threads);
+  for (auto _ : state) {
+    refitter.refit(in.bvh, in.scene.vertices);
+    benchmark::ClobberMemory();
+  }
+  const std::size_t bytes = 2 * in.bvh.nodes.size() * sizeof(Bvh2Node) + in.bvh.triangles.size() * sizeof(Triangle) +
+                            in.scene.vertices.size() * sizeof(Vec3);
+  state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * bytes));
+}
+
+void register_all() {
+  for (const int threads : {1, 2}) {
+    benchmark::RegisterBenchmark(("copy/threads:" + std::to_string(threads)).c_str(), copy, threads)
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime();
+    for (const std::int64_t triangles : {100'000, 1'000'000}) {
+      for (const char* order : {"built", "van-emde-boas"}) {
+        for (const std::string& method : refit_method_names()) {
+          if (method == "serial" && threads > 1) continue;
+          const std::string name = method + "/terrain/" + std::to_string(triangles) + "/" + order;
+          benchmark::RegisterBenchmark((name + "/threads:" + std::to_string(threads)).c_str(), refit, refit_method(method),
+                                       threads, std::string(order), triangles)
+              ->Unit(benchmark::kMillisecond)
+              ->UseRealTime();
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raystudy
+
+int main(int argc, char** argv) {
+  raystudy::register_all();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+}
