@@ -27,6 +27,7 @@ template <class D, class Group>
 class LeafTriangles {
  public:
   static constexpr std::uint32_t lanes = many::lanes_of<D>;
+  using DepthRows = std::array<typename Group::Row, 4>;  ///< the wide::Depths of a group's rays: their members in order
 
   /// For rays that follow axis `along`, the triangles of leaf `child` from `begin` on.
   HWY_INLINE LeafTriangles(const wide::Tree& tree, std::uint32_t child, std::uint32_t begin, std::size_t along)
@@ -43,20 +44,35 @@ class LeafTriangles {
     }
   }
 
-  /// Bits of the triangles that the signs of the rounded edge functions do not rule out (watertight.h) for the ray in a lane.
-  HWY_INLINE unsigned candidates(const Group& group, std::size_t lane) const {
+  /// Bits of triangles.
+  struct Verdict {
+    unsigned met;   ///< surely
+    unsigned open;  ///< neither met nor ruled out
+  };
+
+  /// What the signs of the rounded edge functions say (watertight.h) for the ray in a lane.
+  HWY_INLINE Verdict judge(const Group& group, std::size_t lane) const {
     const D d;
+    return {0, used_ & ~many::mask_bits(d, edges(sheared(group, lane)).outside(d))};
+  }
+
+  /// The same, and what the corners' depths say.
+  HWY_INLINE Verdict judge(const Group& group, const DepthRows& depths, std::size_t lane) const {
+    const D d;
+    const auto limit = [&](std::size_t i) { return hn::Set(d, depths[i][lane]); };
     const Corners corners = sheared(group, lane);
-    const auto edge = [&](std::size_t p, std::size_t q) {
-      return hn::Sub(hn::Mul(corners.x[q], corners.y[p]), hn::Mul(corners.y[q], corners.x[p]));
-    };
-    const V u = edge(1, 2);
-    const V v = edge(2, 0);
-    const V w = edge(0, 1);
-    const V zero = hn::Zero(d);
-    const auto negative = hn::Lt(hn::Min(hn::Min(u, v), w), zero);
-    const auto positive = hn::Gt(hn::Max(hn::Max(u, v), w), zero);
-    return used_ & ~many::mask_bits(d, hn::And(negative, positive));
+    const V shallowest = hn::Min(hn::Min(corners.z[0], corners.z[1]), corners.z[2]);
+    const V deepest = hn::Max(hn::Max(corners.z[0], corners.z[1]), corners.z[2]);
+    const auto out = hn::Or(hn::Gt(shallowest, limit(1)), hn::Lt(deepest, limit(0)));
+    const auto in = hn::And(hn::Gt(shallowest, limit(2)), hn::Lt(deepest, limit(3)));
+    const Edges signs = edges(corners);
+    const unsigned met = used_ & many::mask_bits(d, hn::And(signs.inside(d), in));
+    return {met, used_ & ~met & ~many::mask_bits(d, hn::Or(signs.outside(d), out))};
+  }
+
+  /// Takes one of the triangles that the ray surely meets, of which there are some, for any hit.
+  HWY_INLINE void take_any(Group& group, std::size_t lane, unsigned met) const {
+    group.triangle[lane] = ids_[static_cast<std::size_t>(std::countr_zero(met))];
   }
 
   /// Decides the candidates, of which there are some; true where the ray found a nearer hit. Of any hits it takes the first.
@@ -70,12 +86,9 @@ class LeafTriangles {
                                 hn::Lt(t, hn::Set(d, std::numeric_limits<float>::infinity())));
     unsigned met = candidates & many::mask_bits(d, within);
     if constexpr (any) {
-      // Without a branch, which could not be predicted: where none is met, the last triangle stands in for what is not used.
-      const bool hit = met != 0;
-      const auto triangle = ids_[static_cast<std::size_t>(std::countr_zero(met | std::bit_floor(used_)))];
-      group.triangle[lane] = hit ? triangle : group.triangle[lane];
-      group.far[lane] = hit ? -1 : group.far[lane];
-      return hit;
+      if (met == 0) return false;
+      take_any(group, lane, met);
+      return true;
     } else {
       bool nearer = false;
       for (; met != 0; met &= met - 1) nearer |= take(group, lane, found, static_cast<std::size_t>(std::countr_zero(met)));
@@ -86,6 +99,25 @@ class LeafTriangles {
  private:
   using V = hn::Vec<D>;
   using Corners = many::ShearedCorners<D>;
+
+  /// The least and the greatest edge function of each triangle. Signs that are not 0 are right.
+  struct Edges {
+    V least, greatest;
+    [[nodiscard]] HWY_INLINE auto outside(D d) const {
+      return hn::And(hn::Lt(least, hn::Zero(d)), hn::Gt(greatest, hn::Zero(d)));
+    }
+    [[nodiscard]] HWY_INLINE auto inside(D d) const { return hn::Or(hn::Gt(least, hn::Zero(d)), hn::Lt(greatest, hn::Zero(d))); }
+  };
+
+  HWY_INLINE static Edges edges(const Corners& corners) {
+    const auto edge = [&](std::size_t p, std::size_t q) {
+      return hn::Sub(hn::Mul(corners.x[q], corners.y[p]), hn::Mul(corners.y[q], corners.x[p]));
+    };
+    const V u = edge(1, 2);
+    const V v = edge(2, 0);
+    const V w = edge(0, 1);
+    return {hn::Min(hn::Min(u, v), w), hn::Max(hn::Max(u, v), w)};
+  }
 
   /// Where the ray meets the triangles: t is NaN where it does not; u = b / area, v = c / area.
   struct Meetings {

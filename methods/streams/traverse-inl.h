@@ -71,7 +71,11 @@ class StreamTraversal {
   static constexpr std::size_t most_rays = words * rays_in_word;
 
   StreamTraversal(const wide::Tree& tree, Counter& counter)
-      : tree_(tree), counter_(counter), groups_(most_rays / lanes), children_(one::stack_room(tree, width)) {
+      : tree_(tree),
+        counter_(counter),
+        groups_(most_rays / lanes),
+        depths_(any ? groups_.size() : 0),
+        children_(one::stack_room(tree, width)) {
     for (auto& rays : waiting_) rays.resize(children_.size());
   }
 
@@ -109,10 +113,22 @@ class StreamTraversal {
         std::copy(these.begin(), these.end(), padded.begin());
         many::make_ready(DR(), padded.data(), tree_.slabs, groups_[g], ranges);
       }
+      if constexpr (any) set_depths(g);
       all |= groups_[g].active;
       active_[g / groups_in_word] |= groups_[g].active << (g % groups_in_word * lanes);
     }
     return all != 0;
+  }
+
+  HWY_INLINE void set_depths(std::size_t g) {
+    const DR d;
+    const Group& group = groups_[g];
+    const one::Depths<DR> depths(d, hn::Load(d, group.direction_along.data()), hn::Load(d, group.tmin.data()),
+                                 hn::Load(d, group.t.data()));
+    hn::Store(depths.low, d, depths_[g][0].data());
+    hn::Store(depths.high, d, depths_[g][1].data());
+    hn::Store(depths.inner_low, d, depths_[g][2].data());
+    hn::Store(depths.inner_high, d, depths_[g][3].data());
   }
 
   HWY_INLINE void traverse(const many::NearPlanes& sides, const one::RayOrder<D>& order) {
@@ -211,31 +227,59 @@ class StreamTraversal {
     }
     for (std::uint32_t begin = 0; begin < WideChild::count(child); begin += Leaf::lanes) {
       const Leaf leaf(tree_, child, begin, along_);
-      // First all signs, then what they leave to be decided: two loops whose ends are the only branches.
-      std::array<std::uint32_t, most_rays> which;
-      std::array<std::uint32_t, most_rays> candidates;
-      std::size_t count = 0;
+      // First all signs, then what they tell, and last what they leave to be decided: loops whose ends are the only branches.
+      RayList met;
+      RayList open;
       for (std::size_t w = 0; w < words; ++w) {
         for_each_bit(rays[w] & active_[w], [&](unsigned bit) {
           const std::size_t ray = w * rays_in_word + bit;
-          which[count] = static_cast<std::uint32_t>(ray);
-          candidates[count] = leaf.candidates(groups_[ray / lanes], ray % lanes);
-          count += candidates[count] != 0 ? 1 : 0;
+          const typename Leaf::Verdict verdict = judge(leaf, ray);
+          if constexpr (any) met.add(ray, verdict.met);
+          open.add(ray, verdict.met != 0 ? 0 : verdict.open);
         });
       }
-      for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t ray = which[i];
-        const bool nearer = leaf.template decide<any>(groups_[ray / lanes], ray % lanes, candidates[i]);
-        if constexpr (any) active_[ray / rays_in_word] &= ~(std::uint32_t{nearer} << (ray % rays_in_word));
+      for (std::size_t i = 0; i < met.count; ++i) {
+        leaf.take_any(groups_[met.ray[i] / lanes], met.ray[i] % lanes, met.triangles[i]);
+        put_out(met.ray[i]);
+      }
+      for (std::size_t i = 0; i < open.count; ++i) {
+        const bool nearer = leaf.template decide<any>(groups_[open.ray[i] / lanes], open.ray[i] % lanes, open.triangles[i]);
+        if (any && nearer) put_out(open.ray[i]);
       }
     }
   }
 
+  /// Rays with triangles of a leaf.
+  struct RayList {
+    std::array<std::uint32_t, most_rays> ray;
+    std::array<std::uint32_t, most_rays> triangles;  ///< bits
+    std::size_t count = 0;
+
+    /// Kept only where there are triangles; without a branch.
+    HWY_INLINE void add(std::size_t which, unsigned of_leaf) {
+      ray[count] = static_cast<std::uint32_t>(which);
+      triangles[count] = of_leaf;
+      count += of_leaf != 0 ? 1 : 0;
+    }
+  };
+
+  [[nodiscard]] HWY_INLINE typename Leaf::Verdict judge(const Leaf& leaf, std::size_t ray) const {
+    const std::size_t g = ray / lanes;
+    if constexpr (any) {
+      return leaf.judge(groups_[g], depths_[g], ray % lanes);
+    } else {
+      return leaf.judge(groups_[g], ray % lanes);
+    }
+  }
+
+  HWY_INLINE void put_out(std::size_t ray) { active_[ray / rays_in_word] &= ~(1U << (ray % rays_in_word)); }
+
   const wide::Tree& tree_;
   Counter& counter_;
   AlignedVector<Group> groups_;
-  std::size_t along_ = 0;  ///< the rays' longest axis
-  Mask active_{};          ///< rays that may still hit
+  AlignedVector<typename Leaf::DepthRows> depths_;  ///< of each group for any hits, whose limits stay as they are
+  std::size_t along_ = 0;                           ///< the rays' longest axis
+  Mask active_{};                                   ///< rays that may still hit
   std::vector<std::uint32_t> children_;
   std::array<std::vector<std::uint32_t>, words> waiting_;  ///< the rays of each child that waits
   std::size_t top_ = 0;

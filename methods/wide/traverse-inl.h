@@ -130,21 +130,24 @@ struct ShearVectors {
 /// inside of `inner_low` to `inner_high`. A hit's t is, but for a rounding, a mean of its corners' depths over the direction's
 /// component, so that corners which are all beyond a limit are out, and corners which are all within are in. The margins are far
 /// larger than the roundings.
+template <class D>
 struct Depths {
-  float low, high, inner_low, inner_high;
+  using V = hn::Vec<D>;
+  V low, high, inner_low, inner_high;
 
-  HWY_INLINE Depths(const TriangleRay& ray, float tmin, float tmax) {
-    constexpr float largest = std::numeric_limits<float>::max();
-    const float a = tmin * ray.direction_along;
-    const float b = std::clamp(tmax * ray.direction_along, -largest, largest);
-    const float from = std::min(a, b);
-    const float to = std::max(a, b);
-    const float from_margin = std::fabs(from) * 0x1p-20F + std::numeric_limits<float>::min();
-    const float to_margin = std::fabs(to) * 0x1p-20F + std::numeric_limits<float>::min();
-    low = from - from_margin;
-    high = to + to_margin;
-    inner_low = from + from_margin;
-    inner_high = to - to_margin;
+  HWY_INLINE Depths(D d, V direction_along, V tmin, V tmax) {
+    const V largest = hn::Set(d, std::numeric_limits<float>::max());
+    const V a = hn::Mul(tmin, direction_along);
+    const V b = hn::Min(hn::Max(hn::Mul(tmax, direction_along), hn::Neg(largest)), largest);
+    const V from = hn::Min(a, b);
+    const V to = hn::Max(a, b);
+    const auto margin = [&](V at) {
+      return hn::Add(hn::Mul(hn::Abs(at), hn::Set(d, 0x1p-20F)), hn::Set(d, std::numeric_limits<float>::min()));
+    };
+    low = hn::Sub(from, margin(from));
+    high = hn::Add(to, margin(to));
+    inner_low = hn::Add(from, margin(from));
+    inner_high = hn::Sub(to, margin(to));
   }
 };
 
@@ -157,7 +160,7 @@ HWY_INLINE bool test_leaf(D d, const Tree& tree, std::uint32_t child, const Tria
   const std::uint32_t first = WideChild::first(child);
   const std::uint32_t n = WideChild::count(child);
   const float* const rows = tree.corners + std::size_t{9} * first;
-  const Depths depths(ray, tmin, hit.t);
+  const Depths<D> depths(d, hn::Set(d, ray.direction_along), hn::Set(d, tmin), hn::Set(d, hit.t));
   bool nearer = false;
   for (std::uint32_t begin = 0; begin < n; begin += static_cast<std::uint32_t>(hn::Lanes(d))) {
     const auto row = [&](int axis, int corner) {
@@ -180,11 +183,11 @@ HWY_INLINE bool test_leaf(D d, const Tree& tree, std::uint32_t child, const Tria
     const auto positive = hn::Or(hn::Or(hn::Gt(u, zero), hn::Gt(v, zero)), hn::Gt(w, zero));
     const auto shallowest = hn::Min(hn::Min(az, bz), cz);
     const auto deepest = hn::Max(hn::Max(az, bz), cz);
-    const auto out = hn::Or(hn::Gt(shallowest, hn::Set(d, depths.high)), hn::Lt(deepest, hn::Set(d, depths.low)));
+    const auto out = hn::Or(hn::Gt(shallowest, depths.high), hn::Lt(deepest, depths.low));
     const unsigned lanes = (1U << std::min<std::uint32_t>(n - begin, static_cast<std::uint32_t>(hn::Lanes(d)))) - 1U;
     unsigned candidates = ~mask_bits(hn::Or(hn::And(negative, positive), out)) & lanes;
     if constexpr (any) {
-      const auto in = hn::And(hn::Gt(shallowest, hn::Set(d, depths.inner_low)), hn::Lt(deepest, hn::Set(d, depths.inner_high)));
+      const auto in = hn::And(hn::Gt(shallowest, depths.inner_low), hn::Lt(deepest, depths.inner_high));
       const auto signs = hn::And(hn::And(hn::Ne(u, zero), hn::Ne(v, zero)), hn::Ne(w, zero));
       const unsigned certain = candidates & mask_bits(hn::And(in, signs));
       if (certain != 0) {
