@@ -69,7 +69,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"Obj", "obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl a\nf 1/1/1 2//2 3\nf -1 -2 -3\n"},
                       Case{"StlAscii", "stl", test::square_stl_ascii()}, Case{"StlBinary", "stl", test::square_stl_binary()},
                       Case{"Off", "off", test::square_off()}, Case{"Bsp", "bsp", test::small_bsp()},
-                      Case{"Gltf", "gltf", test::small_gltf("data.bin"), 1000}, Case{"Ac3d", "ac", test::square_ac(), 300}),
+                      Case{"Gltf", "gltf", test::small_gltf("data.bin"), 1000},
+                      Case{"GltfAnimated", "gltf", test::animated_gltf(), 1000}, Case{"Ac3d", "ac", test::square_ac(), 300}),
     name_of);
 
 }  // namespace

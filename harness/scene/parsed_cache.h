@@ -11,7 +11,7 @@
 namespace raystudy {
 
 /// Raised with every change of what a reader makes of a file: older cache files are then not found.
-inline constexpr int reader_version = 1;
+inline constexpr int reader_version = 2;
 
 /// A file that a model refers to, e.g. its material library, and its XXH3-128; empty where there was none.
 struct Sibling {

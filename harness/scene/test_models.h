@@ -99,4 +99,24 @@ inline std::string small_gltf_buffer() {
   return packed(0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 0.F, 1.F, 0.F) + packed(std::uint16_t{0}, std::uint16_t{1}, std::uint16_t{2});
 }
 
+/// The triangle of small_gltf_buffer with a skin of one joint and a morph target, both animated.
+inline std::string animated_gltf() {
+  return R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1]}], "nodes": [{"mesh": 0, "skin": 0}, {"translation": [1, 2, 3]}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}, "targets": [{"POSITION": 0}]}], "weights": [1]}],
+"skins": [{"joints": [1]}],
+"animations": [{"samplers": [{"input": 3, "output": 4}, {"input": 3, "output": 3, "interpolation": "STEP"}],
+  "channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}, {"sampler": 1, "target": {"node": 0, "path": "weights"}}]}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+  {"bufferView": 1, "componentType": 5121, "count": 3, "type": "VEC4"},
+  {"bufferView": 2, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC4"},
+  {"bufferView": 3, "componentType": 5121, "count": 2, "type": "SCALAR"},
+  {"bufferView": 4, "componentType": 5121, "count": 2, "type": "VEC3"}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 1, "byteLength": 12}, {"buffer": 2, "byteLength": 12},
+  {"buffer": 3, "byteLength": 2}, {"buffer": 3, "byteLength": 6}],
+"buffers": [{"uri": "data.bin", "byteLength": 42},
+  {"uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAA", "byteLength": 12},
+  {"uri": "data:application/octet-stream;base64,/wAAAP8AAAD/AAAA", "byteLength": 12},
+  {"uri": "data:application/octet-stream;base64,AAECAwQF", "byteLength": 6}]})";
+}
+
 }  // namespace raystudy::test
