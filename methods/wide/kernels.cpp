@@ -73,9 +73,18 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 
+#include <algorithm>
+
 #include "harness/base/error.h"
 
 namespace raystudy::wide {
+namespace {
+
+std::size_t node_size(const WideBvh& bvh) {
+  return bvh.visit([](const auto& all) { return sizeof(all[0]); });
+}
+
+}  // namespace
 
 Tree::Tree(const WideBvh& bvh)
     : nodes(bvh.visit([](const auto& all) { return static_cast<const void*>(all.data()); })),
@@ -84,8 +93,10 @@ Tree::Tree(const WideBvh& bvh)
       bounds(bvh.bounds),
       slabs(bvh.bounds),
       height(bvh.height),
-      arrays_{{{static_cast<const char*>(nodes), bvh.visit([](const auto& all) { return sizeof(all[0]); })},
-               {reinterpret_cast<const char*>(corners), 9 * sizeof(float)}}} {}
+      first_lines_{
+          {{static_cast<const char*>(nodes), node_size(bvh)}, {reinterpret_cast<const char*>(corners), 9 * sizeof(float)}}},
+      last_line_{{{static_cast<const char*>(nodes) + std::min<std::size_t>(256, node_size(bvh) - 1), node_size(bvh)},
+                  {reinterpret_cast<const char*>(triangles), sizeof(std::uint32_t)}}} {}
 
 bool finish_triangle(const float* rows, std::uint32_t n, std::uint32_t i, std::uint32_t triangle, const TriangleRay& ray,
                      float tmin, Hit& hit) {
@@ -104,6 +115,11 @@ bool finish_triangle(const float* rows, std::uint32_t n, std::uint32_t i, std::u
   if (found.t == hit.t && hit.triangle < triangle) return false;
   hit = {found.t, triangle, found.u, found.v};
   return true;
+}
+
+Schedule best_schedule(bool coherent, std::size_t bytes) {
+  constexpr std::size_t large = std::size_t{16} << 20U;
+  return coherent && bytes < large ? Schedule::one_by_one : Schedule::in_turns;
 }
 
 std::size_t instruction_set(Simd simd) {

@@ -23,13 +23,15 @@ struct Tree {
 
   explicit Tree(const WideBvh& bvh);
 
-  /// Asks for the first cache lines of a child before its turn comes: of a node, or of a leaf's corners, of which most leaves
-  /// have no more. By a table, since a branch could not be predicted; inlined, since the compiler drops calls that do nothing
-  /// else.
+  /// Asks for memory of a child before its turn comes: of a node the first five cache lines; of a leaf four of corners, of which
+  /// most leaves have no more, and one of triangles' indices. By a table, since a branch could not be predicted; inlined, since
+  /// the compiler drops calls that do nothing else.
   [[gnu::always_inline]] void prefetch(std::uint32_t child) const {
-    const Array& array = arrays_[child >> 31U];
-    const char* const at = array.begin + array.stride * WideChild::first(child);
+    const std::size_t kind = child >> 31U;
+    const std::size_t index = WideChild::first(child);
+    const char* const at = first_lines_[kind].begin + first_lines_[kind].stride * index;
     for (std::size_t line = 0; line < 4; ++line) __builtin_prefetch(at + 64 * line);
+    __builtin_prefetch(last_line_[kind].begin + last_line_[kind].stride * index);
   }
 
  private:
@@ -37,7 +39,8 @@ struct Tree {
     const char* begin;
     std::size_t stride;
   };
-  std::array<Array, 2> arrays_;  ///< of nodes, and of triangles' corners
+  std::array<Array, 2> first_lines_;  ///< of nodes and of leaves
+  std::array<Array, 2> last_line_;
 };
 
 /// Decides a triangle that the signs of the rounded edge functions did not rule out: triangle `i` of the leaf of `n` at `rows`.
@@ -57,6 +60,9 @@ enum class Simd : std::uint8_t { best, avx2 };
 /// One ray after another, or many in turns.
 enum class Schedule : std::uint8_t { one_by_one, in_turns };
 
+/// The faster one with AVX-512, for a tree of so many bytes: coherent rays go one by one, but in a tree of 16 MiB and more even
+/// they wait for memory at most leaves, unless others are worked on meanwhile.
+[[nodiscard]] Schedule best_schedule(bool coherent, std::size_t bytes);
 /// Which of the functions of RAYSTUDY_OF_EACH (targets.h) `simd` means here. Throws Error where the processor lacks it.
 [[nodiscard]] std::size_t instruction_set(Simd simd);
 /// Throws Error where the processor lacks `simd`.

@@ -170,6 +170,13 @@ TEST(WideRay, IsShearedAsTheScalarTestDoes) {
 }
 
 /// Node for node and triangle for triangle, where subtrees are small enough to be tasks and where the tree has one leaf.
+TEST(Schedule, OfCoherentRaysIsOneByOneInTreesOfLessThan16MiB) {
+  constexpr std::size_t large = std::size_t{16} << 20U;
+  EXPECT_EQ(best_schedule(true, large - 1), Schedule::one_by_one);
+  EXPECT_EQ(best_schedule(true, large), Schedule::in_turns);
+  EXPECT_EQ(best_schedule(false, 0), Schedule::in_turns);
+}
+
 TEST(Encoding, IsTheSameForAnyThreads) {
   const Registry& registry = Registry::instance();
   for (const int triangles : {1, 40, 3000}) {
