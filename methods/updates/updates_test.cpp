@@ -1,10 +1,17 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "harness/accel/refit.h"
 #include "harness/method/registry.h"
 #include "harness/scene/animation.h"
+#include "methods/updates/degradation.h"
 #include "methods/updates/refit_session.h"
 #include "tests/support/animated.h"
 #include "tests/support/same_tree.h"
@@ -85,6 +92,88 @@ TEST(BestOverTime, IsTheTreeOfLeastMeanCost) {
   EXPECT_EQ(prepared.builds, frame_count);
   EXPECT_EQ(dynamic_cast<const Bvh2&>(*prepared.session->update(frame_of(scene, 0), 0).accel).triangles, best);
   EXPECT_NE(best, sweep(scene)->triangles) << "a case where the first frame is not the best";
+}
+
+/// Two bars of half area 3 each, the second at `at`; their parent's half area is 2 (at + 1) + 1.
+Bvh2 two_bars(float at) {
+  Bvh2 bvh;
+  bvh.nodes = {test::inner(test::bar(0, at + 1), 2), {}, test::leaf(test::bar(0, 1), 0), test::leaf(test::bar(at, at + 1), 1)};
+  bvh.triangles = {0, 1};
+  return bvh;
+}
+
+TEST(Degradation, IsTheMeanGrowthOfTheRatioOfAreas) {
+  const Degradation since(two_bars(2), 1);
+  EXPECT_DOUBLE_EQ(since.of(two_bars(2)), 0);
+  EXPECT_NEAR(since.of(two_bars(8)), 19.0 / 6 - 7.0 / 6, 1e-6);
+  EXPECT_NEAR(since.of(two_bars(1)), 5.0 / 6 - 7.0 / 6, 1e-6) << "better than built";
+}
+
+TEST(Degradation, NodesWithoutAreaAddNothing) {
+  Bvh2 points = two_bars(2);
+  for (Bvh2Node& node : points.nodes) node.box = Box{{1, 1, 1}, {1, 1, 1}};
+  EXPECT_EQ(Degradation(points, 1).of(two_bars(8)), 0);
+  EXPECT_EQ(Degradation(two_bars(8), 1).of(points), 0);
+  EXPECT_EQ(Degradation({}, 1).of({}), 0);
+}
+
+TEST(Degradation, IsTheSameOnAnyNumberOfThreads) {
+  const Scene scene = test::crossing_boxes(20000, 2, 1);
+  const auto tree = sweep(scene);
+  const Degradation one(*tree, 1);
+  const Degradation two(*tree, 2);
+  Refitter(*tree, scene.triangles, RefitMethod::serial, 1).refit(*tree, scene.frames[1]);
+  EXPECT_GT(one.of(*tree), 0.1);
+  EXPECT_EQ(one.of(*tree), two.of(*tree));
+}
+
+/// For each frame of the animation whether its tree was built for it.
+std::vector<bool> rebuilt_frames(const Scene& scene, std::map<std::string, ParamValue, std::less<>> changes) {
+  Prepared prepared;
+  prepare(prepared, scene, "refit-or-rebuild", std::move(changes));
+  std::vector<bool> rebuilt;
+  for (std::size_t f = 0; f < frame_count; ++f) {
+    const FrameUpdate update = prepared.session->update(frame_of(scene, f), f);
+    rebuilt.push_back(update.rebuilt);
+    if (update.rebuilt) {
+      EXPECT_TRUE(test::same(dynamic_cast<const Bvh2&>(*update.accel), *sweep(frame_of(scene, f))));
+    }
+  }
+  EXPECT_EQ(prepared.builds, 1U + static_cast<std::size_t>(std::count(rebuilt.begin(), rebuilt.end(), true)));
+  return rebuilt;
+}
+
+TEST(RefitOrRebuild, RebuildsWhereTrianglesMixAndNotWhereTheyMoveTogether) {
+  const Scene mixing = test::crossing_boxes(300, 4, 1);
+  const std::vector<bool> by_criterion = rebuilt_frames(mixing, {});
+  EXPECT_FALSE(by_criterion[0]);
+  EXPECT_TRUE(by_criterion[1]);
+  EXPECT_THAT(rebuilt_frames(mixing, {{"threshold", 1e6}}), testing::Each(false));
+
+  Scene together = mixing;
+  for (std::size_t f = 0; f < together.frames.size(); ++f) {
+    std::vector<Vec3> positions(mixing.vertices.begin(), mixing.vertices.end());
+    for (Vec3& p : positions) p = p * (1.0F + static_cast<float>(f)) + Vec3{static_cast<float>(f), 0, 0};
+    together.frames[f] = SharedArray<Vec3>(std::move(positions));
+  }
+  EXPECT_THAT(rebuilt_frames(together, {}), testing::Each(false));
+}
+
+TEST(RefitOrRebuild, RebuildsEveryThatManyFrames) {
+  const Scene scene = test::crossing_boxes(100, 4, 1);
+  EXPECT_THAT(rebuilt_frames(scene, {{"every", std::int64_t{2}}}), testing::ElementsAre(false, false, true, false, true));
+  EXPECT_THAT(rebuilt_frames(scene, {{"every", std::int64_t{100}}}), testing::Each(false));
+}
+
+TEST(RefitOrRebuild, HoldsTheFirstTreeAndTheLast) {
+  const Scene scene = test::crossing_boxes(300, 4, 1);
+  Prepared prepared;
+  prepare(prepared, scene, "refit-or-rebuild", {{"every", std::int64_t{1}}});
+  const std::size_t first = prepared.session->bytes();
+  (void)prepared.session->update(frame_of(scene, 1), 1);
+  EXPECT_NEAR(static_cast<double>(prepared.session->bytes()), 2.0 * static_cast<double>(first), 0.1 * static_cast<double>(first));
+  (void)prepared.session->update(frame_of(scene, 0), 0);
+  EXPECT_EQ(prepared.session->bytes(), first);
 }
 
 }  // namespace
