@@ -1,7 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "harness/accel/bvh2.h"
@@ -19,6 +22,8 @@ inline Float4 max(Float4 a, Float4 b) { return a < b ? b : a; }
 /// Two boxes side by side. Each vector holds, for one axis, (-lower of the first, -lower of the second, upper of the first, upper
 /// of the second): with the lower bound negated, the union of boxes is one `max` an axis for both boxes at once.
 struct BoxPair {
+  using Doubled = BoxPair;  ///< the box of one side, twice
+
   Float4 x;
   Float4 y;
   Float4 z;
@@ -58,23 +63,32 @@ struct BoxPair {
 
 /// The unions of the first boxes and of the second boxes.
 inline BoxPair united(const BoxPair& a, const BoxPair& b) { return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)}; }
+/// Whether the first boxes are the same.
+inline bool same(const BoxPair& a, const BoxPair& b) {
+  const auto differ = (a.x != b.x) | (a.y != b.y) | (a.z != b.z);
+  return (differ[0] | differ[2]) == 0;
+}
 
-/// A binary BVH in the form that optimizers edit: siblings share a 64-byte record, so that one step of a search loads one cache
-/// line and tests two boxes at once. An inner node is named by the record of its children, and a *slot* (2 · record + side) is
-/// where a node stands. Moving a subtree is moving one slot's contents.
+/// A binary BVH in the form that optimizers edit: siblings share a record (of 64 bytes with one box a node), so that one step of
+/// a search loads few cache lines and tests two boxes at once. An inner node is named by the record of its children, and a *slot*
+/// (2 · record + side) is where a node stands. Moving a subtree is moving one slot's contents.
 ///
 /// pairs[0] is {root, unused}; records 1 … pairs.size() - 1 are the inner nodes, in no promised order once edited.
-class PairTree {
+///
+/// `Boxes` is what siblings have for boxes: BoxPair, or FrameBoxes with a box for each of several frames.
+template <class Boxes>
+class PairTreeOf {
  public:
+  using Doubled = typename Boxes::Doubled;
+
   static constexpr std::uint32_t leaf_bit = 0x80000000U;
 
   struct alignas(64) Pair {
-    BoxPair boxes;
+    Boxes boxes;
     /// A leaf's index into `leaves` with leaf_bit, or the record of an inner node's children.
     std::array<std::uint32_t, 2> link{};
     std::array<float, 2> measure{};  ///< m(box); left to the optimizer
   };
-  static_assert(sizeof(Pair) == 64);
 
   struct Leaf {
     std::uint32_t first = 0;
@@ -83,7 +97,7 @@ class PairTree {
 
   /// A node taken out of its slot.
   struct Node {
-    BoxPair box;  ///< twice
+    Doubled box;
     std::uint32_t link = leaf_bit;
     float measure = 0;
     [[nodiscard]] bool is_leaf() const { return (link & leaf_bit) != 0; }
@@ -93,8 +107,11 @@ class PairTree {
   std::vector<std::uint32_t> up;  ///< up[p]: the slot of inner node p, 0 for the root; up[0] is not used
   std::vector<Leaf> leaves;       ///< ranges of Bvh2::triangles
 
-  /// `bvh` has two leaves at least. Records are laid out depth first; measures are 0.
-  explicit PairTree(const Bvh2& bvh);
+  /// `bvh` has two leaves at least; box_of(n) is the Doubled box of its node n. Records are laid out depth first; measures are 0.
+  template <class BoxOf>
+  PairTreeOf(const Bvh2& bvh, const BoxOf& box_of);
+  explicit PairTreeOf(const Bvh2& bvh) requires std::is_same_v<Boxes, BoxPair>
+      : PairTreeOf(bvh, [&bvh](std::uint32_t n) { return BoxPair::twice(bvh.nodes[n].box); }) {}
 
   [[nodiscard]] std::uint32_t inner_count() const { return static_cast<std::uint32_t>(pairs.size() - 1); }
   [[nodiscard]] std::uint32_t root() const { return pairs[0].link[0]; }
@@ -116,8 +133,83 @@ class PairTree {
   }
 
   /// Writes the tree back: records depth first with the larger child's subtree next to its parent, and `bvh.triangles` leaf by
-  /// leaf in the same order. `bvh` is the tree this one was made from.
+  /// leaf in the same order. Boxes are Boxes::box(side). `bvh` is the tree this one was made from.
   void write_to(Bvh2& bvh) const;
 };
+
+using PairTree = PairTreeOf<BoxPair>;
+static_assert(sizeof(PairTree::Pair) == 64);
+
+/// Asks for all cache lines of a record.
+template <class Pair>
+inline void prefetch(const Pair& pair) {
+  for (std::size_t line = 0; line < sizeof(Pair); line += 64) __builtin_prefetch(reinterpret_cast<const char*>(&pair) + line);
+}
+
+template <class Boxes>
+template <class BoxOf>
+PairTreeOf<Boxes>::PairTreeOf(const Bvh2& bvh, const BoxOf& box_of) : pairs(bvh.nodes.size() / 2), up(pairs.size()) {
+  leaves.reserve(pairs.size());
+  struct Task {
+    std::uint32_t source;  // in bvh.nodes
+    std::uint32_t slot;
+  };
+  std::vector<Task> stack{{0, 0}};
+  std::uint32_t next = 1;
+  pairs[0].boxes.set(1, box_of(0));  // a box in every slot
+  while (!stack.empty()) {
+    const auto [source, slot] = stack.back();
+    stack.pop_back();
+    const Bvh2Node& node = bvh.nodes[source];
+    Node copy{box_of(source), 0, 0};
+    if (node.is_leaf()) {
+      copy.link = leaf_bit | static_cast<std::uint32_t>(leaves.size());
+      leaves.push_back({node.first, node.count});
+    } else {
+      copy.link = next++;
+      stack.push_back({node.first + 1, 2 * copy.link + 1});
+      stack.push_back({node.first, 2 * copy.link});
+    }
+    put(slot, copy);
+  }
+}
+
+template <class Boxes>
+void PairTreeOf<Boxes>::write_to(Bvh2& bvh) const {
+  std::vector<std::uint32_t> triangles;
+  triangles.reserve(bvh.triangles.size());
+  struct Task {
+    std::uint32_t slot;
+    std::uint32_t target;  // in bvh.nodes
+  };
+  std::vector<Task> stack{{0, 0}};
+  std::uint32_t next = 2;
+  while (!stack.empty()) {
+    const auto [slot, target] = stack.back();
+    stack.pop_back();
+    const Pair& pair = pairs[slot / 2];
+    const std::uint32_t link = pair.link[slot % 2];
+    Bvh2Node& node = bvh.nodes[target];
+    node.box = pair.boxes.box(slot % 2);
+    if (is_leaf(link)) {
+      const Leaf leaf = leaves[link & ~leaf_bit];
+      node.first = static_cast<std::uint32_t>(triangles.size());
+      node.count = leaf.count;
+      for (std::uint32_t i = 0; i < leaf.count; ++i) triangles.push_back(bvh.triangles[leaf.first + i]);
+    } else {
+      node.first = next;
+      node.count = 0;
+      next += 2;
+      const bool second_is_larger = pairs[link].measure[1] > pairs[link].measure[0];
+      for (const std::uint32_t below : pairs[link].link) {
+        if (!is_leaf(below)) prefetch(pairs[below]);
+      }
+      const std::uint32_t larger = second_is_larger ? 1 : 0;
+      stack.push_back({2 * link + 1 - larger, node.first + 1 - larger});
+      stack.push_back({2 * link + larger, node.first + larger});
+    }
+  }
+  bvh.triangles = std::move(triangles);
+}
 
 }  // namespace raystudy

@@ -11,13 +11,21 @@
 namespace raystudy {
 namespace {
 
+std::vector<float> measures_of(const Bvh2& bvh, const Measure& measure) {
+  std::vector<Box> boxes(bvh.nodes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = bvh.nodes[i].box;
+  std::vector<float> measures(boxes.size());
+  measure.evaluate(boxes, measures);
+  return measures;
+}
+
 /// For every node: the least cost its subtree can be compacted to (m(root) times Eq. 1), its triangles, and whether one leaf is
 /// it.
 class Collapse {
  public:
-  Collapse(const Bvh2& bvh, const CostModel& model, std::uint32_t max_leaf_triangles)
-      : bvh_(bvh), model_(model), max_leaf_triangles_(max_leaf_triangles) {
-    measure();
+  Collapse(const Bvh2& bvh, std::vector<float> measures, const CostModel& model, std::uint32_t max_leaf_triangles)
+      : bvh_(bvh), model_(model), max_leaf_triangles_(max_leaf_triangles), measures_(std::move(measures)) {
+    if (!(measures_[0] > 0)) measures_.assign(measures_.size(), 1);
     costs_.resize(bvh.nodes.size());
     triangles_ = distinct_triangles(bvh);
     collapses_.resize(bvh.nodes.size());
@@ -29,14 +37,6 @@ class Collapse {
   [[nodiscard]] bool collapses(std::uint32_t node) const { return collapses_[node] != 0; }
 
  private:
-  void measure() {
-    std::vector<Box> boxes(bvh_.nodes.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = bvh_.nodes[i].box;
-    measures_.resize(boxes.size());
-    model_.measure->evaluate(boxes, measures_);
-    if (!(measures_[0] > 0)) measures_.assign(boxes.size(), 1);
-  }
-
   /// Children before parents: nothing in Bvh2 promises that indices are in either order.
   void list_nodes() {
     order_.reserve(bvh_.nodes.size());
@@ -138,13 +138,17 @@ class Writer {
 }  // namespace
 
 void compact(Bvh2& bvh, const CostModel& model, std::uint32_t max_leaf_triangles) {
+  if (!bvh.empty()) compact(bvh, measures_of(bvh, *model.measure), model, max_leaf_triangles);
+}
+
+void compact(Bvh2& bvh, std::vector<float> measures, const CostModel& model, std::uint32_t max_leaf_triangles) {
   if (bvh.empty()) return;
-  const Collapse collapse(bvh, model, max_leaf_triangles);
+  const Collapse collapse(bvh, std::move(measures), model, max_leaf_triangles);
   bvh = Writer(bvh, collapse).write();
 }
 
 double compacted_cost(const Bvh2& bvh, const CostModel& model, std::uint32_t max_leaf_triangles) {
-  return bvh.empty() ? 0 : Collapse(bvh, model, max_leaf_triangles).cost();
+  return bvh.empty() ? 0 : Collapse(bvh, measures_of(bvh, *model.measure), model, max_leaf_triangles).cost();
 }
 
 }  // namespace raystudy

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 
 #include "harness/accel/pair_tree.h"
 #include "harness/method/cost_model.h"
@@ -23,17 +25,40 @@ inline Float4 measure_both(const AnyMeasure& measure, const BoxPair& b) {
 }
 
 /// Measures every node of `tree`.
-template <class M>
-void measure_all(PairTree& tree, const M& measure) {
-  for (PairTree::Pair& pair : tree.pairs) {
-    const Float4 m = measure_both(measure, pair.boxes);
+template <class M, class Tree>
+void measure_all(Tree& tree, const M& measure) {
+  for (auto& pair : tree.pairs) {
+    const auto m = measure_both(measure, pair.boxes);
     pair.measure = {m[0], m[1]};
   }
 }
 
+/// Calls f(link, measure) for every node, in the order of the records.
+template <class Tree, class F>
+void for_each_pair_slot(const Tree& tree, F&& f) {
+  f(tree.pairs[0].link[0], tree.pairs[0].measure[0]);
+  for (std::size_t p = 1; p < tree.pairs.size(); ++p) {
+    f(tree.pairs[p].link[0], tree.pairs[p].measure[0]);
+    f(tree.pairs[p].link[1], tree.pairs[p].measure[1]);
+  }
+}
+
 /// Σ_inner m(N) over a measured tree, in double in the order of the records.
-[[nodiscard]] double inner_measure_sum(const PairTree& tree);
+template <class Tree>
+[[nodiscard]] double inner_measure_sum(const Tree& tree) {
+  double sum = 0;
+  for_each_pair_slot(tree, [&](std::uint32_t link, float m) { sum += Tree::is_leaf(link) ? 0.0 : static_cast<double>(m); });
+  return sum;
+}
+
 /// Σ_leaf m(N) · t_N over a measured tree, in double in the order of the records.
-[[nodiscard]] double leaf_measure_sum(const PairTree& tree);
+template <class Tree>
+[[nodiscard]] double leaf_measure_sum(const Tree& tree) {
+  double sum = 0;
+  for_each_pair_slot(tree, [&](std::uint32_t link, float m) {
+    if (Tree::is_leaf(link)) sum += static_cast<double>(m) * tree.leaves[link & ~Tree::leaf_bit].count;
+  });
+  return sum;
+}
 
 }  // namespace raystudy

@@ -13,15 +13,25 @@ class RunningCost {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// `tree` is measured; what leaves cost together does not change as long as leaves move whole. Seconds count from `start`.
-  RunningCost(const PairTree& tree, const BuildContext& context, Clock::time_point start)
-      : tree_(tree), context_(context), start_(start), leaf_sum_(leaf_measure_sum(tree)) {}
+  /// `tree` is measured; neither what leaves cost together nor the root changes as long as leaves move whole. Seconds count from
+  /// `start`.
+  template <class Tree>
+  RunningCost(const Tree& tree, const BuildContext& context, Clock::time_point start) : context_(context), start_(start) {
+    remeasured(tree);
+  }
+
+  /// The tree has been measured anew, by another measure.
+  template <class Tree>
+  void remeasured(const Tree& tree) {
+    root_ = static_cast<double>(tree.pairs[0].measure[0]);
+    leaf_sum_ = leaf_measure_sum(tree);
+  }
 
   /// The tree's cost, from the sum of its inner measures. Not a finite number where the root measures 0 or areas overflow.
   [[nodiscard]] double of(double inner_sum) const {
     const CostModel& model = context_.cost;
     const double sum = static_cast<double>(model.traversal) * inner_sum + static_cast<double>(model.intersection) * leaf_sum_;
-    return sum / static_cast<double>(tree_.pairs[0].measure[0]);
+    return sum / root_;
   }
   void record(double cost) const {
     if (context_.cost_trace != nullptr) context_.cost_trace->push_back({seconds(), cost});
@@ -33,10 +43,10 @@ class RunningCost {
   }
 
  private:
-  const PairTree& tree_;
   const BuildContext& context_;
   Clock::time_point start_;
-  double leaf_sum_;
+  double root_ = 0;
+  double leaf_sum_ = 0;
 };
 
 /// What an optimizer of whole trees begins and ends with: `edit(PairTree&, measure, start)` changes a copy of `bvh` and returns

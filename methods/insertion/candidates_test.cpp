@@ -103,7 +103,7 @@ TEST(TreeEdit, TellsOfEveryRecordThatChanges) {
   const Scene scene = test::scene_of(test::random_boxes(100, 1));
   PairTree tree(test::random_tree(scene, 1));
   std::vector<bool> seen;
-  TreeEdit<SurfaceArea, Watch> edit(tree, area, Watch{&seen});
+  TreeEdit<SurfaceArea, PairTree, Watch> edit(tree, area, Watch{&seen});
   for (std::uint32_t n = 1; n <= tree.inner_count(); ++n) {
     if (n == tree.root()) continue;
     const PairTree before = tree;

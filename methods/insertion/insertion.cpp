@@ -16,7 +16,8 @@ class Insertion final : public Optimizer {
         .params = {real_param("batch_percent", 1, "k: nodes updated in a pass, % of all nodes", 0.0001, 100),
                    integer_param("p_T", 10, "stops after this many passes without a new least cost", 1, 1e9),
                    integer_param("p_R", 5, "selects at random after this many passes without a new least cost", 1, 1e9),
-                   choice_param("selection", {"area-then-random", "area", "random"}, "how a pass selects its nodes"),
+                   choice_param("selection", {"area-then-random", "area", "random", "metropolis-hastings"},
+                                "how a pass selects its nodes"),
                    choice_param("remove", {"both-children", "one-child"}, "what is taken from a selected node"),
                    choice_param("keep", {"last", "best"}, "which tree is the result: the last pass's, or the cheapest"),
                    integer_param("max_passes", 0, "stops after this many passes; 0: no limit", 0, 1e9),
@@ -29,9 +30,10 @@ class Insertion final : public Optimizer {
     options_ = {.batch_percent = p.real("batch_percent"),
                 .stop_passes = p.integer("p_T"),
                 .random_passes = p.integer("p_R"),
-                .selection = selection == "area"     ? Selection::area
-                             : selection == "random" ? Selection::random
-                                                     : Selection::area_then_random,
+                .selection = selection == "area"                  ? Selection::area
+                             : selection == "random"              ? Selection::random
+                             : selection == "metropolis-hastings" ? Selection::metropolis_hastings
+                                                                  : Selection::area_then_random,
                 .both_children = p.text("remove") == "both-children",
                 .keep_best = p.text("keep") == "best",
                 .max_passes = p.integer("max_passes"),

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "harness/accel/pair_tree.h"
@@ -16,19 +18,23 @@
 namespace raystudy::insertion {
 
 /// The passes of the insertion-based optimization over one tree (Bittner 2015, Sections 2.1, 2.4 and 2.5).
-template <class M>
+template <class M, class Tree>
 class Optimization {
  public:
   using Clock = RunningCost::Clock;
 
   /// Everything referred to must outlive this; seconds are counted from `start`.
-  Optimization(PairTree& tree, const M& measure, const Options& options, const BuildContext& context, Clock::time_point start)
+  Optimization(Tree& tree, const M& measure, const Options& options, const BuildContext& context, Clock::time_point start)
       : tree_(tree),
         options_(options),
         reinsertion_(tree, measure),
         running_(tree, context, start),
         selector_(context.seed),
         batch_(batch_size(options.batch_percent, tree.inner_count(), tree.leaves.size())) {}
+
+  /// `reweigh` is called after every pass; where it says that it has changed the measure, the tree is measured anew before its
+  /// cost is taken.
+  void after_passes(std::function<bool()> reweigh) { reweigh_ = std::move(reweigh); }
 
   /// True where the tree has come out no worse than it went in. A tree whose cost is not a finite number (a root of measure 0,
   /// areas past the range of float) is left as it is.
@@ -38,7 +44,11 @@ class Optimization {
     if (!std::isfinite(first)) return false;
     Progress progress(options_, first);
     while (!progress.is_done() && !running_.out_of_time(options_.max_seconds)) {
-      update(progress.selects_at_random() ? selector_.at_random(tree_, batch_) : selector_.by_area(tree_, batch_));
+      update(select(progress));
+      if (reweigh_ && reweigh_()) {
+        reinsertion_.remeasure();
+        running_.remeasured(tree_);
+      }
       const double now = cost();
       running_.record(now);
       if (progress.add_pass(now) && options_.keep_best) best_ = tree_;
@@ -49,6 +59,11 @@ class Optimization {
 
  private:
   [[nodiscard]] double cost() const { return running_.of(reinsertion_.inner_sum()); }
+
+  const std::vector<std::uint32_t>& select(const Progress& progress) {
+    if (options_.selection == Selection::metropolis_hastings) return selector_.by_metropolis_hastings(tree_, batch_);
+    return progress.selects_at_random() ? selector_.at_random(tree_, batch_) : selector_.by_area(tree_, batch_);
+  }
 
   /// A selected node may have been taken out and put in elsewhere by an earlier update of the same pass; it is updated where it
   /// stands now. Only the root, which has no parent, is passed over.
@@ -67,13 +82,14 @@ class Optimization {
     }
   }
 
-  PairTree& tree_;
+  Tree& tree_;
   Options options_;
-  Reinsertion<M> reinsertion_;
+  Reinsertion<M, Tree> reinsertion_;
   RunningCost running_;
   Selector selector_;
   std::size_t batch_;
-  std::optional<PairTree> best_;
+  std::optional<Tree> best_;
+  std::function<bool()> reweigh_;
 };
 
 }  // namespace raystudy::insertion

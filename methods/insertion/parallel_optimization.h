@@ -200,7 +200,7 @@ class ParallelOptimization {
   const M& measure_;
   ParallelOptions options_;
   Activity activity_;
-  TreeEdit<M, Watch> edit_;
+  TreeEdit<M, PairTree, Watch> edit_;
   RunningCost running_;
   Candidates candidates_;
   Conflicts conflicts_;

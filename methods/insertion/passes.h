@@ -4,7 +4,7 @@
 
 namespace raystudy::insertion {
 
-enum class Selection : std::uint8_t { area_then_random, area, random };
+enum class Selection : std::uint8_t { area_then_random, area, random, metropolis_hastings };
 
 /// Bittner 2015, Sections 2.3 to 2.5; the defaults are Section 3's.
 struct Options {

@@ -16,17 +16,21 @@ namespace raystudy::insertion {
 
 /// The updates of Bittner, Hapala and Havran: removal, branch-and-bound search, reinsertion (Bittner 2015, Section 2.3).
 ///
-/// `M` is SurfaceArea or AnyMeasure; it must not decrease when a box grows.
-template <class M>
-class Reinsertion : public TreeEdit<M> {
+/// `M` and `Tree` as of TreeEdit; the measure must not decrease when a box grows. Over several frames (T-SAH) a node's measure is
+/// the weighted sum of its frames' measures: all costs are linear in it, so that the sums over the frames are searched as the
+/// scalars of one frame are.
+template <class M, class Tree = PairTree>
+class Reinsertion : public TreeEdit<M, Tree> {
+  using Edit = TreeEdit<M, Tree>;
+
  public:
-  using typename TreeEdit<M>::Node;
-  using typename TreeEdit<M>::Pair;
-  using typename TreeEdit<M>::Removed;
-  using typename TreeEdit<M>::RemovedOne;
-  using TreeEdit<M>::insert;
-  using TreeEdit<M>::remove;
-  using TreeEdit<M>::remove_child;
+  using Edit::insert;
+  using Edit::remove;
+  using Edit::remove_child;
+  using typename Edit::Node;
+  using typename Edit::Pair;
+  using typename Edit::Removed;
+  using typename Edit::RemovedOne;
 
   /// Where a node may be merged in, and what that costs: C(L, X) = C_D(L, X) + C_I(L, X).
   struct Place {
@@ -34,7 +38,7 @@ class Reinsertion : public TreeEdit<M> {
     float cost = std::numeric_limits<float>::infinity();
   };
 
-  using TreeEdit<M>::TreeEdit;
+  using Edit::TreeEdit;
 
   /// The slot where merging `l` enlarges the tree least: Algorithm 1, exactly, for any `hint`. The cost of merging at `hint` only
   /// spares the search what cannot be better.
@@ -50,7 +54,7 @@ class Reinsertion : public TreeEdit<M> {
       if (!(induced + own < best.cost)) break;  // the least lower bound of all that is left
       const std::uint32_t p = record(next);
       const Pair& pair = tree_.pairs[p];
-      const Float4 merged = measure_both(measure_, united(pair.boxes, l.box));
+      const auto merged = measure_both(measure_, united(pair.boxes, l.box));
       std::array<Entry, 2> below{none, none};
       for (std::uint32_t side = 0; side < 2; ++side) {
         const float total = induced + merged[side];
@@ -58,9 +62,9 @@ class Reinsertion : public TreeEdit<M> {
       }
       for (std::uint32_t side = 0; side < 2; ++side) {
         const float induced_below = induced + (merged[side] - pair.measure[side]);
-        if (PairTree::is_leaf(pair.link[side]) || !(induced_below + own < best.cost)) continue;
+        if (Tree::is_leaf(pair.link[side]) || !(induced_below + own < best.cost)) continue;
         below[side] = entry(induced_below, pair.link[side]);
-        __builtin_prefetch(&tree_.pairs[pair.link[side]]);
+        prefetch(tree_.pairs[pair.link[side]]);
       }
       next = least_of(below);
     }
@@ -70,11 +74,11 @@ class Reinsertion : public TreeEdit<M> {
   /// Fetches what an update of `n` touches first: in two steps, for the second needs what the first fetched.
   void prefetch_soon(std::uint32_t n) const {
     __builtin_prefetch(&tree_.up[n]);
-    __builtin_prefetch(&tree_.pairs[n]);
+    prefetch(tree_.pairs[n]);
   }
   void prefetch_next(std::uint32_t n) const {
     const std::uint32_t parent = tree_.up[n] / 2;
-    __builtin_prefetch(&tree_.pairs[parent]);
+    prefetch(tree_.pairs[parent]);
     __builtin_prefetch(&tree_.up[parent]);
   }
 
@@ -126,11 +130,11 @@ class Reinsertion : public TreeEdit<M> {
     const Pair& top = tree_.pairs[0];
     const float merged = measure_both(measure_, united(top.boxes, l.box))[0];
     if (merged < best.cost) best = {0, merged};
-    return PairTree::is_leaf(top.link[0]) ? none : entry(merged - top.measure[0], top.link[0]);
+    return Tree::is_leaf(top.link[0]) ? none : entry(merged - top.measure[0], top.link[0]);
   }
 
-  using TreeEdit<M>::tree_;
-  using TreeEdit<M>::measure_;
+  using Edit::measure_;
+  using Edit::tree_;
   MinHeap heap_;
 };
 

@@ -41,6 +41,35 @@ TEST(Selector, AtRandomReachesEveryInnerNodeAndNothingElse) {
   for (std::size_t n = 1; n < 20; ++n) EXPECT_NEAR(times[n], 100, 50) << n;
 }
 
+/// The chain itself is in proportion to the measures. What is selected are its moves to another node: of x, its share of the
+/// chain times the chance to be accepted away from it.
+TEST(Selector, ByMetropolisHastingsSelectsTheMovesOfAChainInProportionToTheMeasure) {
+  const Scene scene = test::scene_of(test::random_boxes(40, 1));
+  PairTree tree(test::random_tree(scene, 1));
+  measure_all(tree, SurfaceArea());
+  std::vector<double> measures(40);
+  for (std::uint32_t n = 1; n < 40; ++n) {
+    const std::uint32_t slot = tree.up[n];
+    if (n != tree.root()) measures[n] = static_cast<double>(tree.pairs[slot / 2].measure[slot % 2]);
+  }
+  std::vector<double> expected(40);
+  double sum = 0;
+  for (std::size_t x = 1; x < 40; ++x) {
+    for (std::size_t y = 1; y < 40; ++y) expected[x] += x == y ? 0 : std::min(measures[x], measures[y]);
+    sum += expected[x];
+  }
+  Selector selector(1);
+  std::vector<double> times(40);
+  std::uint32_t before = 0;
+  for (const std::uint32_t n : selector.by_metropolis_hastings(tree, 200'000)) {
+    ++times.at(n);
+    EXPECT_NE(n, before);
+    before = n;
+  }
+  EXPECT_EQ(times[tree.root()], 0);
+  for (std::size_t n = 1; n < 40; ++n) EXPECT_NEAR(times[n] / 200'000, expected[n] / sum, 0.001) << n;
+}
+
 TEST(Progress, SwitchesToRandomThenStops) {
   Options options;
   options.random_passes = 2;

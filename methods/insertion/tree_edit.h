@@ -17,13 +17,14 @@ struct Unwatched {
 /// Removal and insertion of nodes (Bittner 2015, Section 2.3). Keeps every inner node's box the exact union of its children's,
 /// and the sum of inner measures up to date.
 ///
-/// `M` is SurfaceArea or AnyMeasure. `Watch` has `changed(record)`, called for every record that gets another node or another
-/// box.
-template <class M, class Watch = Unwatched>
+/// `M` measures the Doubled boxes of `Tree`, a PairTreeOf (pair_measure.h, frame_boxes.h). `Watch` has `changed(record)`, called
+/// for every record that gets another node or another box.
+template <class M, class Tree = PairTree, class Watch = Unwatched>
 class TreeEdit {
  public:
-  using Node = PairTree::Node;
-  using Pair = PairTree::Pair;
+  using Node = typename Tree::Node;
+  using Pair = typename Tree::Pair;
+  using Doubled = typename Tree::Doubled;
 
   /// What removing an inner node leaves: the nodes to insert again, the larger first, and the two records that are free now.
   struct Removed {
@@ -33,7 +34,10 @@ class TreeEdit {
   };
 
   /// `tree` is measured here; it and `measure` must outlive this.
-  TreeEdit(PairTree& tree, const M& measure, Watch watch = {}) : tree_(tree), measure_(measure), watch_(watch) {
+  TreeEdit(Tree& tree, const M& measure, Watch watch = {}) : tree_(tree), measure_(measure), watch_(watch) { remeasure(); }
+
+  /// After the measure has changed.
+  void remeasure() {
     measure_all(tree_, measure_);
     inner_sum_ = inner_measure_sum(tree_);
   }
@@ -87,7 +91,7 @@ class TreeEdit {
   }
 
  protected:
-  PairTree& tree_;
+  Tree& tree_;
   const M& measure_;
 
  private:
@@ -95,8 +99,8 @@ class TreeEdit {
   void refit_up(std::uint32_t p) {
     while (p != 0) {
       const std::uint32_t slot = tree_.up[p];
-      const BoxPair box = tree_.pairs[p].boxes.merged();
-      const BoxPair old = tree_.pairs[slot / 2].boxes.doubled(slot % 2);
+      const Doubled box = tree_.pairs[p].boxes.merged();
+      const Doubled old = tree_.pairs[slot / 2].boxes.doubled(slot % 2);
       if (same(box, old)) return;
       set_box(slot, box);
       p = slot / 2;
@@ -104,18 +108,18 @@ class TreeEdit {
   }
 
   /// Extends the boxes of record p's node and its ancestors by `box`, up to where it is contained.
-  void grow_up(std::uint32_t p, const BoxPair& box) {
+  void grow_up(std::uint32_t p, const Doubled& box) {
     while (p != 0) {
       const std::uint32_t slot = tree_.up[p];
-      const BoxPair old = tree_.pairs[slot / 2].boxes.doubled(slot % 2);
-      const BoxPair larger = united(old, box);
+      const Doubled old = tree_.pairs[slot / 2].boxes.doubled(slot % 2);
+      const Doubled larger = united(old, box);
       if (same(larger, old)) return;
       set_box(slot, larger);
       p = slot / 2;
     }
   }
 
-  void set_box(std::uint32_t slot, const BoxPair& box) {
+  void set_box(std::uint32_t slot, const Doubled& box) {
     Pair& pair = tree_.pairs[slot / 2];
     const std::uint32_t side = slot % 2;
     const float m = measure_both(measure_, box)[0];
@@ -128,11 +132,6 @@ class TreeEdit {
   void put(std::uint32_t slot, const Node& node) {
     tree_.put(slot, node);
     watch_.changed(slot / 2);
-  }
-
-  static bool same(const BoxPair& a, const BoxPair& b) {
-    const auto differ = (a.x != b.x) | (a.y != b.y) | (a.z != b.z);
-    return (differ[0] | differ[2]) == 0;
   }
 
   [[no_unique_address]] Watch watch_;

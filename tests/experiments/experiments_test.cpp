@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "harness/method/registry.h"
@@ -38,20 +39,29 @@ INSTANTIATE_TEST_SUITE_P(All, Experiments, testing::ValuesIn(experiments()), [](
   return name;
 });
 
-TEST(Quickstart, ShowsBuiltInScenesAndEveryBuilderAndOptimizer) {
-  const Plan plan = read_plan(RAYSTUDY_SOURCE_DIR "/experiments/quickstart.yaml", Scale::quick);
+/// The names of each role that an experiment on built-in scenes uses.
+std::map<Role, std::set<std::string>> used_in(const std::string& file) {
+  const Plan plan = read_plan(RAYSTUDY_SOURCE_DIR "/experiments/" + file, Scale::quick);
   for (const SceneSpec& scene : plan.scenes) EXPECT_GT(scene.triangles, 0) << scene.label;
-  std::set<std::string> used;
+  std::map<Role, std::set<std::string>> used;
   for (const PipelineSpec& pipeline : plan.pipelines) {
-    used.insert(pipeline.builder.name);
-    for (const MethodRef& optimizer : pipeline.optimizers) used.insert(optimizer.name);
+    used[Role::builder].insert(pipeline.builder.name);
+    for (const MethodRef& optimizer : pipeline.optimizers) used[Role::optimizer].insert(optimizer.name);
+    if (pipeline.updater) used[Role::updater].insert(pipeline.updater->name);
   }
-  for (const Role role : {Role::builder, Role::optimizer}) {
+  for (const WorkloadSpec& workload : plan.workloads) used[Role::workload].insert(workload.label);
+  return used;
+}
+
+TEST(Quickstart, ShowsBuiltInScenesAndEveryBuilderOptimizerAndUpdater) {
+  std::map<Role, std::set<std::string>> used = used_in("quickstart.yaml");
+  EXPECT_GE(used[Role::workload].size(), 2U);
+  for (auto& [role, names] : used_in("quickstart-animation.yaml")) used[role].merge(names);
+  for (const Role role : {Role::builder, Role::optimizer, Role::updater}) {
     for (const std::string& name : Registry::instance().names(role)) {
-      EXPECT_TRUE(used.contains(name) || Registry::instance().get(role, name).info.needs_file()) << name;
+      EXPECT_TRUE(used[role].contains(name) || Registry::instance().get(role, name).info.needs_file()) << name;
     }
   }
-  EXPECT_GE(plan.workloads.size(), 2U);
 }
 
 }  // namespace
