@@ -35,6 +35,11 @@ class Rotator {
     inner_sum_ = inner_measure_sum(tree_);
   }
 
+  /// Of a tree that is not measured yet: whoever has measured the two nodes below record n calls `refit(n)`, children first, and
+  /// asks for no sum.
+  struct Unmeasured {};
+  Rotator(PairTree& tree, const M& measure, Unmeasured) : tree_(tree), measure_(measure) {}
+
   [[nodiscard]] double inner_sum() const { return inner_sum_; }
 
   /// What each rotation at inner node `n` would change.
@@ -84,6 +89,26 @@ class Rotator {
     if (right_changed) refit(child[1]);
   }
 
+  /// Puts inner node `n` around its children, and measures it.
+  void refit(std::uint32_t n) {
+    const std::uint32_t slot = tree_.up[n];
+    Pair& pair = tree_.pairs[slot / 2];
+    const BoxPair box = tree_.pairs[n].boxes.merged();
+    const float m = measure_both(measure_, box)[0];
+    inner_sum_ += static_cast<double>(m) - static_cast<double>(pair.measure[slot % 2]);
+    pair.boxes.set(slot % 2, box);
+    pair.measure[slot % 2] = m;
+  }
+
+  /// The rotation at `n` that lowers the cost most, where one does. True where it did.
+  bool climb(std::uint32_t n) {
+    const Deltas all = deltas(n);
+    const auto best = std::min_element(all.begin(), all.end());
+    if (!(*best < 0)) return false;
+    apply(n, static_cast<Rotation>(best - all.begin()));
+    return true;
+  }
+
  private:
   /// The boxes of child `side`'s children.
   [[nodiscard]] const BoxPair& below(const Pair& node, std::uint32_t side) const { return tree_.pairs[node.link[side]].boxes; }
@@ -93,16 +118,6 @@ class Rotator {
     const PairTree::Node at_b = tree_.node(b);
     tree_.put(a, at_b);
     tree_.put(b, at_a);
-  }
-
-  void refit(std::uint32_t n) {
-    const std::uint32_t slot = tree_.up[n];
-    Pair& pair = tree_.pairs[slot / 2];
-    const BoxPair box = tree_.pairs[n].boxes.merged();
-    const float m = measure_both(measure_, box)[0];
-    inner_sum_ += static_cast<double>(m) - static_cast<double>(pair.measure[slot % 2]);
-    pair.boxes.set(slot % 2, box);
-    pair.measure[slot % 2] = m;
   }
 
   PairTree& tree_;
@@ -119,11 +134,7 @@ template <class M>
 bool climb(Rotator<M>& rotator, const std::vector<std::uint32_t>& bottom_up) {
   bool improved = false;
   for (const std::uint32_t n : bottom_up) {
-    const Deltas deltas = rotator.deltas(n);
-    const auto best = std::min_element(deltas.begin(), deltas.end());
-    if (!(*best < 0)) continue;
-    rotator.apply(n, static_cast<Rotation>(best - deltas.begin()));
-    improved = true;
+    if (rotator.climb(n)) improved = true;
   }
   return improved;
 }

@@ -176,5 +176,36 @@ TEST(RefitOrRebuild, HoldsTheFirstTreeAndTheLast) {
   EXPECT_EQ(prepared.session->bytes(), first);
 }
 
+/// What the updater must come to: boxes, then one pass of hill climbing with the same rotations.
+void refit_and_climb(Bvh2& bvh, const Scene& frame) {
+  Refitter(bvh, frame.triangles, RefitMethod::serial, 1).refit(bvh, frame.vertices);
+  const Registry& registry = Registry::instance();
+  registry.create<Optimizer>(registry.ref(Role::optimizer, "rotation-hill-climbing", {{"max_passes", std::int64_t{1}}}))
+      ->optimize(bvh, frame, {});
+}
+
+TEST(RefitRotations, IsARefitAndAPassOfHillClimbingInOne) {
+  const Scene scene = test::crossing_boxes(5000, 4, 1);
+  for (const int threads : {1, 2}) {
+    BuildContext context;
+    context.threads = threads;
+    const Registry& registry = Registry::instance();
+    const auto session = registry.create<Updater>(registry.ref(Role::updater, "refit-rotations"))
+                             ->prepare(scene, uniform_times(frame_count), sweep, context);
+    const auto expected = sweep(scene);
+    const auto refitted = sweep(scene);
+    for (std::size_t f = 0; f < frame_count; ++f) {
+      const Scene frame = frame_of(scene, f);
+      refit_and_climb(*expected, frame);
+      const auto& tree = dynamic_cast<const Bvh2&>(*session->update(frame, f).accel);
+      ASSERT_TRUE(test::same(tree, *expected)) << "frame " << f;
+      Refitter(*refitted, scene.triangles, RefitMethod::serial, 1).refit(*refitted, frame.vertices);
+      if (f > 0) {
+        EXPECT_LT(tree_cost(tree, {}), tree_cost(*refitted, {})) << "frame " << f;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace raystudy::updates

@@ -65,11 +65,19 @@ TEST_P(EveryUpdater, PlaysTheSameAgainAndOnAnyNumberOfThreads) {
     EXPECT_TRUE(test::same(first[f], updated(*one, scene, f))) << "again, frame " << f;
 }
 
+/// Whether the updater goes on improving the tree of a scene in which nothing moves.
+bool improves_trees(const std::string& name) { return name == "refit-rotations"; }
+
 TEST_P(EveryUpdater, AStaticSceneStandsStill) {
   const Scene scene = test::scene_of(test::random_boxes(100, 3));
   const auto session = prepare(scene);
   const Bvh2 first = updated(*session, scene, 0);
-  EXPECT_TRUE(test::same(first, updated(*session, scene, 1)));
+  const Bvh2 second = updated(*session, scene, 1);
+  if (improves_trees(GetParam())) {
+    EXPECT_LE(tree_cost(second, {}), tree_cost(first, {}));
+  } else {
+    EXPECT_TRUE(test::same(first, second));
+  }
 }
 
 }  // namespace
