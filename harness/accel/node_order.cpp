@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <numeric>
-#include <ranges>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -77,7 +77,9 @@ DepthFirst depth_first(const Tree& tree, bool larger_first) {
     if (larger_first) {
       std::stable_sort(children.begin(), children.end(), [](const Child& a, const Child& b) { return a.area > b.area; });
     }
-    for (const Child& child : std::views::reverse(children)) pending.push_back({child, depth + 1});
+    std::transform(children.rbegin(), children.rend(), std::back_inserter(pending), [below = depth + 1](const Child& child) {
+      return Pending{child, below};
+    });
   }
   return out;
 }
