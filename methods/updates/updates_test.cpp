@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "harness/accel/refit.h"
+#include "harness/base/error.h"
 #include "harness/method/registry.h"
 #include "harness/scene/animation.h"
 #include "methods/updates/degradation.h"
@@ -203,6 +205,117 @@ TEST(RefitRotations, IsARefitAndAPassOfHillClimbingInOne) {
       if (f > 0) {
         EXPECT_LT(tree_cost(tree, {}), tree_cost(*refitted, {})) << "frame " << f;
       }
+    }
+  }
+}
+
+/// The costs of all frames, and in which of them the tree is another than in the frame before.
+struct Play {
+  std::vector<double> costs{};
+  std::vector<std::size_t> borders{};
+  std::size_t builds = 0;
+};
+
+Play play(const Scene& scene, const std::string& updater, std::map<std::string, ParamValue, std::less<>> changes = {}) {
+  Prepared prepared;
+  prepare(prepared, scene, updater, std::move(changes));
+  Play result{.builds = prepared.builds};
+  const Accel* tree = nullptr;
+  for (std::size_t f = 0; f < frame_count; ++f) {
+    const FrameUpdate update = prepared.session->update(frame_of(scene, f), f);
+    EXPECT_FALSE(update.rebuilt);
+    if (f > 0 && update.accel != tree) result.borders.push_back(f);
+    tree = update.accel;
+    result.costs.push_back(tree_cost(dynamic_cast<const Bvh2&>(*tree), {}));
+  }
+  return result;
+}
+
+double sum(const std::vector<double>& costs) { return std::accumulate(costs.begin(), costs.end(), 0.0); }
+
+TEST(Parts, OnePartIsRefitAndAsManyAsFramesAreRebuild) {
+  const Scene scene = test::crossing_boxes(200, 4, 1);
+  EXPECT_EQ(play(scene, "parts", {{"count", std::int64_t{1}}}).costs, play(scene, "refit").costs);
+  EXPECT_EQ(play(scene, "parts", {{"count", std::int64_t{100}}}).costs, play(scene, "rebuild").costs);
+}
+
+TEST(Parts, AreBuiltOnTheirOwnFrames) {
+  const Scene scene = test::crossing_boxes(200, 4, 1);
+  const Play parts = play(scene, "parts", {{"count", std::int64_t{2}}});
+  EXPECT_EQ(parts.builds, 2U);
+  EXPECT_THAT(parts.borders, testing::ElementsAre(2));
+  // The first frame of each part has the tree that is built for it alone.
+  const Play rebuilt = play(scene, "rebuild");
+  EXPECT_EQ(parts.costs[2], rebuilt.costs[2]);
+  EXPECT_GT(parts.costs[3], rebuilt.costs[3]);
+
+  std::vector<std::size_t> key_frames;
+  const TreeBuild build = [&](const Scene& part) {
+    key_frames.push_back(part.frames.size());
+    return sweep(part);
+  };
+  const Registry& registry = Registry::instance();
+  const auto updater = registry.create<Updater>(registry.ref(Role::updater, "parts", {{"count", std::int64_t{2}}}));
+  (void)updater->prepare(scene, uniform_times(frame_count), build, {});
+  EXPECT_THAT(key_frames, testing::ElementsAre(2, 3)) << "a quarter and a half of 4 key frames";
+}
+
+/// All boxes change places at once between two of the frames.
+Scene sudden_change(std::size_t frame) {
+  Scene scene = test::crossing_boxes(200, frame_count, 1);
+  for (std::size_t f = 0; f < frame_count; ++f) scene.frames[f] = f < frame ? scene.frames[0] : scene.frames[frame_count - 1];
+  scene.vertices = scene.frames[0];
+  return scene;
+}
+
+TEST(Parts, OptimalBordersAreWhereTheSceneChanges) {
+  for (const std::size_t change : {1U, 4U}) {
+    const Scene scene = sudden_change(change);
+    const Play optimal = play(scene, "parts", {{"split", std::string("optimal")}, {"count", std::int64_t{2}}});
+    EXPECT_THAT(optimal.borders, testing::ElementsAre(change));
+    EXPECT_LT(sum(optimal.costs), sum(play(scene, "parts", {{"count", std::int64_t{2}}}).costs));
+  }
+}
+
+TEST(Parts, BoundTakesTheFewestThatKeepIt) {
+  const Scene scene = sudden_change(3);
+  const auto bound = [&](double max_cost) {
+    return play(scene, "parts", {{"split", std::string("bound")}, {"max_cost", max_cost}});
+  };
+  EXPECT_THAT(bound(1e6).borders, testing::IsEmpty());
+  EXPECT_THAT(bound(1.01).borders, testing::ElementsAre(3));
+  const Scene mixing = test::crossing_boxes(200, 4, 1);
+  const Play rebuilt = play(mixing, "rebuild");
+  const Play kept = play(mixing, "parts", {{"split", std::string("bound")}, {"max_cost", 1.3}});
+  EXPECT_FALSE(kept.borders.empty());
+  for (std::size_t f = 0; f < frame_count; ++f) EXPECT_LE(kept.costs[f], 1.3 * rebuilt.costs[f]);
+}
+
+TEST(Parts, SaysWhichFrameNoSplitKeepsWithinTheBound) {
+  try {
+    (void)play(sudden_change(1), "parts", {{"split", std::string("bound")}, {"steps", std::int64_t{2}}, {"max_cost", 1.25}});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(),
+                testing::MatchesRegex("updater 'parts': frame 1 costs [0-9.]+ times its own tree's with a tree for "
+                                      "frames 0 to 1, the shortest part that 2 steps allow; expected more steps, or "
+                                      "a larger max_cost than 1.25"));
+  }
+}
+
+TEST(Updaters, SayWhatTheyNeed) {
+  const Registry& registry = Registry::instance();
+  const Scene scene = test::crossing_boxes(10, 2, 1);
+  const TreeBuild build = [&](const Scene& frame) {
+    return registry.create<Builder>(registry.ref(Role::builder, "embree"))->build(frame, {});
+  };
+  for (const std::string& name : registry.names(Role::updater)) {
+    if (name == "rebuild") continue;
+    try {
+      (void)registry.create<Updater>(registry.ref(Role::updater, name))->prepare(scene, uniform_times(2), build, {});
+      FAIL() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()), "updater '" + name + "' got a tree of kind 'embree'; expected a builder of 'bvh2'");
     }
   }
 }
