@@ -6,21 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "harness/scene/affine.h"
 #include "harness/scene/gltf_model.h"
 
 namespace raystudy {
-
-/// An affine map: three columns and an origin, in double like the file's own matrices.
-struct Affine {
-  std::array<std::array<double, 3>, 4> column{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
-
-  [[nodiscard]] Vec3 point(Vec3 p) const { return apply(p, 1); }
-  [[nodiscard]] Vec3 vector(Vec3 v) const { return apply(v, 0); }
-
- private:
-  [[nodiscard]] Vec3 apply(Vec3 p, double w) const;
-};
-[[nodiscard]] Affine operator*(const Affine& a, const Affine& b);
 
 /// How a node stands in its parent, and the weights of its mesh's morph targets.
 struct GltfPose {

@@ -70,7 +70,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"StlAscii", "stl", test::square_stl_ascii()}, Case{"StlBinary", "stl", test::square_stl_binary()},
                       Case{"Off", "off", test::square_off()}, Case{"Bsp", "bsp", test::small_bsp()},
                       Case{"Gltf", "gltf", test::small_gltf("data.bin"), 1000},
-                      Case{"GltfAnimated", "gltf", test::animated_gltf(), 1000}, Case{"Ac3d", "ac", test::square_ac(), 300}),
+                      Case{"GltfAnimated", "gltf", test::animated_gltf(), 1000}, Case{"Aff", "aff", test::small_aff(), 1000},
+                      Case{"Ac3d", "ac", test::square_ac(), 300}),
     name_of);
 
 }  // namespace

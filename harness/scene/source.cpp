@@ -117,8 +117,9 @@ namespace {
 
 const std::vector<std::pair<std::string, Reader>>& readers() {
   static const std::vector<std::pair<std::string, Reader>> all = [] {
-    std::vector<std::pair<std::string, Reader>> list{{"ply", read_ply}, {"obj", read_obj},   {"stl", read_stl}, {"off", read_off},
-                                                     {"bsp", read_bsp}, {"gltf", read_gltf}, {"glb", read_gltf}};
+    std::vector<std::pair<std::string, Reader>> list{{"ply", read_ply},  {"obj", read_obj}, {"stl", read_stl},
+                                                     {"off", read_off},  {"bsp", read_bsp}, {"gltf", read_gltf},
+                                                     {"glb", read_gltf}, {"aff", read_aff}};
     const std::size_t own = list.size();
     for (const std::string& extension : assimp_extensions()) {
       const bool known = std::any_of(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(own),

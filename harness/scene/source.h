@@ -39,6 +39,7 @@ using Reader = Scene (*)(const SourceFile&);
 [[nodiscard]] Reader reader_for(const SourceFile& source);
 [[nodiscard]] const std::vector<std::string>& known_extensions();
 
+Scene read_aff(const SourceFile& source);
 Scene read_bsp(const SourceFile& source);
 Scene read_gltf(const SourceFile& source);
 Scene read_obj(const SourceFile& source);

@@ -99,6 +99,16 @@ inline std::string small_gltf_buffer() {
   return packed(0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 0.F, 1.F, 0.F) + packed(std::uint16_t{0}, std::uint16_t{1}, std::uint16_t{2});
 }
 
+/// A triangle that moves and one that changes its shape.
+inline std::string small_aff() {
+  return R"(a 0 4 5
+x thing { p 3  0 0 0  1 0 0  0 1 0 }
+k thing { transl 4  0 0 0 0 0 0 0  1 0 0 0 0 0 0  3 4 0 0 0 0 0  4 7 0 0 0 0 0
+  rot 4  0 0 0 1 0 0 0 0  1 0 0 1 0 0 0 0  3 0 0 1 90 0 0 0  4 0 0 1 90 0 0 0 }
+tpa 2 1  0 0 0 0 0 1  1 0 0 0 0 1  0 1 0 0 0 1 3  0 0 2 0 0 1  1 0 0 0 0 1  0 1 0 0 0 1
+)";
+}
+
 /// The triangle of small_gltf_buffer with a skin of one joint and a morph target, both animated.
 inline std::string animated_gltf() {
   return R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1]}], "nodes": [{"mesh": 0, "skin": 0}, {"translation": [1, 2, 3]}],
