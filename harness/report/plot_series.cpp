@@ -34,13 +34,15 @@ Json series_plot(const FigureSpec& figure, const Report& report, std::vector<std
   if (left_out > 0) gaps.push_back(fmt::format("{} points at 0 have no place on a logarithmic axis", left_out));
   const std::string x_name = first.x_name == "seconds" ? "time" : words(first.x_name);
   const std::string y_name = quantity == "cost_over_time" ? "cost" : words(quantity);
-  Json encoding{{"x", axis(figure, "x", with_unit(x_name, first.x_unit), "log_x", "~g")},
-                {"y", axis(figure, "y", with_unit(y_name, first.unit), "log_y", "~g")}};
+  // Rounded numbers where ticks are equally far apart: 400 and not 4e+2.
+  const auto format = [&figure](const char* log) { return is_logarithmic(figure, log) ? "~g" : "~r"; };
+  Json encoding{{"x", axis(figure, "x", with_unit(x_name, first.x_unit), "log_x", format("log_x"))},
+                {"y", axis(figure, "y", with_unit(y_name, first.unit), "log_y", format("log_y"))}};
   add_styles(encoding, figure);
   return panels(figure, scenes, std::move(rows),
                 {{"width", 420},
                  {"height", 300},
-                 {"mark", {{"type", "line"}, {"interpolate", "step-after"}}},
+                 {"mark", {{"type", "line"}, {"interpolate", first.x_name == "frame" ? "linear" : "step-after"}}},
                  {"encoding", std::move(encoding)}});
 }
 

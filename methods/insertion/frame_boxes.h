@@ -13,6 +13,10 @@
 #include "harness/geometry/box.h"
 #include "harness/method/cost_model.h"
 
+// Without AVX-512 the compiler warns that vectors of 64 bytes are passed to functions in another way than with it. All of these are
+// inline, in files that are compiled alike.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace raystudy::insertion {
 
 using Float16 = float __attribute__((vector_size(64)));
