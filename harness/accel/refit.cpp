@@ -73,6 +73,13 @@ struct Pass {
     store_box(node, __builtin_shufflevector(lower, upper, 0, 1, 2, 4), __builtin_shufflevector(upper, upper, 1, 2, 1, 2));
   }
 
+  /// Asks for the vertices of a leaf that comes later, where triangles lie leaf by leaf.
+  void prefetch_vertices(const Bvh2Node& node) const {
+    constexpr std::uint32_t ahead = 24;  // triangles
+    if (node.first < ahead) return;
+    for (const std::uint32_t vertex : corners[node.first - ahead].vertex) __builtin_prefetch(vertices + vertex);
+  }
+
   /// From its children, which are done.
   void inner(Bvh2Node& node) const {
     const NodeVectors a = load(nodes[node.first]);
@@ -113,26 +120,32 @@ void climb(const Pass& pass, std::uint32_t pair, const std::vector<std::uint32_t
   }
 }
 
-/// The nodes of the pairs at [begin, end) of the depth-first order, 64 at a time from the last: first their leaves, then, from
-/// the last, their inner nodes, so that the processor need not guess which a node is. `node_at` gives the node in slot 2 · place
-/// + side.
+/// Calls f(bit) for each bit that is set, from the highest.
+template <class F>
+void for_each_bit(std::uint64_t bits, const F& f) {
+  while (bits != 0) {
+    const auto highest = static_cast<std::size_t>(63 - std::countl_zero(bits));
+    f(highest);
+    bits ^= std::uint64_t{1} << highest;
+  }
+}
+
+/// The nodes of the pairs at [begin, end) of the depth-first order from the last on, 64 at a time: first their leaves, then their
+/// inner nodes, so that the processor need not guess which a node is. Memory is read in one direction, which it foresees; what it
+/// cannot are the vertices. `node_at` gives the node in slot 2 · place + side.
 template <class NodeAt>
 void sweep(const Pass& pass, std::span<const std::uint64_t> leaves, std::size_t begin, std::size_t end, const NodeAt& node_at) {
   for (std::size_t slots_end = 2 * end; slots_end > 2 * begin;) {
     const std::size_t word = (slots_end - 1) / 64;
     const std::size_t slots_begin = std::max(64 * word, 2 * begin);
-    const std::uint64_t used =
-        (~std::uint64_t{0} >> (64 * (word + 1) - slots_end)) & (~std::uint64_t{0} << (slots_begin - 64 * word));
-    for (std::uint64_t rest = leaves[word] & used; rest != 0; rest &= rest - 1) {
-      pass.leaf(pass.nodes[node_at(64 * word + static_cast<std::size_t>(std::countr_zero(rest)))]);
-    }
-    std::uint64_t rest = ~leaves[word] & used;
-    if (word == 0) rest &= ~std::uint64_t{2};  // what is beside the root is no node
-    while (rest != 0) {
-      const int last = 63 - std::countl_zero(rest);
-      pass.inner(pass.nodes[node_at(64 * word + static_cast<std::size_t>(last))]);
-      rest ^= std::uint64_t{1} << last;
-    }
+    std::uint64_t used = (~std::uint64_t{0} >> (64 * (word + 1) - slots_end)) & (~std::uint64_t{0} << (slots_begin - 64 * word));
+    for_each_bit(leaves[word] & used, [&](std::size_t bit) {
+      Bvh2Node& node = pass.nodes[node_at(64 * word + bit)];
+      pass.prefetch_vertices(node);
+      pass.leaf(node);
+    });
+    if (word == 0) used &= ~std::uint64_t{2};  // what is beside the root is no node
+    for_each_bit(~leaves[word] & used, [&](std::size_t bit) { pass.inner(pass.nodes[node_at(64 * word + bit)]); });
     slots_end = slots_begin;
   }
 }
