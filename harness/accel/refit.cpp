@@ -197,6 +197,7 @@ Refitter::Refitter(const Bvh2& bvh, std::span<const Triangle> triangles, RefitMe
   if (method == RefitMethod::subtrees) list_subtrees(bvh, order);
   leaves_.resize((bvh.nodes.size() + 63) / 64);
   for (std::size_t slot = 0; slot < bvh.nodes.size(); ++slot) {
+    if (slot == 1) continue;  // what is beside the root is no node, whatever a builder has left there
     if (bvh.nodes[2 * std::size_t{order[slot / 2]} + slot % 2].is_leaf()) leaves_[slot / 64] |= std::uint64_t{1} << (slot % 64);
   }
   if (!std::is_sorted(order.begin(), order.end())) order_ = std::move(order);
