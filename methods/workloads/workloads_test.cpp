@@ -140,6 +140,105 @@ TEST(AmbientOcclusion, OneOpenSceneIsNotOccludedByItself) {
   EXPECT_TRUE(std::none_of(hits.begin(), hits.end(), [](const Hit& h) { return h.is_hit(); }));
 }
 
+TEST(Shadow, RaysEndJustBeforePointLightsAndGoOnToDirectionalOnes) {
+  Scene scene = floor_and_roof();
+  scene.lights = {{.name = "lamp", .position = {0.5F, -0.5F, 1}},
+                  {.name = "sun", .position = {0, 3, 4}, .point_at_infinity = true}};
+  const RayBatch batch = generate("shadow", scene, {{"width", std::int64_t{20}}, {"height", std::int64_t{20}}});
+  EXPECT_EQ(batch.query, Query::any_hit);
+  ASSERT_EQ(batch.rays.size(), 800U);  // every pixel sees the floor or the roof, two rays each
+  ASSERT_EQ(batch.ray_pixels.size(), 800U);
+  for (std::size_t i = 0; i < batch.rays.size(); ++i) {
+    const Ray& ray = batch.rays[i];
+    EXPECT_EQ(batch.ray_pixels[i], batch.ray_pixels[i - i % 2]);
+    EXPECT_GT(ray.origin.z, ray.origin.z > 0.4F ? 0.5F : 0);
+    if (i % 2 == 0) {
+      EXPECT_LT(length(ray.origin + ray.direction - Vec3{0.5F, -0.5F, 1}), 1e-6F);
+      EXPECT_GT(ray.tmax, 0.998F);
+      EXPECT_LT(ray.tmax, 1);
+    } else {
+      EXPECT_LT(length(ray.direction - Vec3{0, 0.6F, 0.8F}), 1e-6F);
+      EXPECT_EQ(ray.tmax, std::numeric_limits<float>::infinity());
+    }
+  }
+}
+
+TEST(Shadow, RadiusSpreadsTheRaysOverASphere) {
+  Scene scene = floor_and_roof();
+  scene.lights = {{.name = "lamp", .position = {0, 0, 4}}};
+  const Changes changes{{"width", std::int64_t{30}}, {"height", std::int64_t{30}}, {"radius", 0.1}, {"rays", std::int64_t{4}}};
+  const RayBatch batch = generate("shadow", scene, changes);
+  ASSERT_EQ(batch.rays.size(), 3600U);
+  Vec3 mean;
+  for (const Ray& ray : batch.rays) {
+    const Vec3 from_centre = ray.origin + ray.direction - scene.lights[0].position;
+    EXPECT_NEAR(length(from_centre), 0.1F * scene.diagonal(), 1e-5F);
+    mean += from_centre / (3600 * 0.1F * scene.diagonal());
+  }
+  // A coordinate of a uniform unit vector has a standard deviation of 0.577, its mean over 3600 one of 0.0096.
+  EXPECT_LT(length(mean), 0.05F);
+  EXPECT_NE(batch.rays[0].direction, batch.rays[1].direction);
+  const RayBatch again = generate("shadow", scene, changes);
+  const RayBatch other = generate("shadow", scene, changes, 2);
+  EXPECT_EQ(batch.rays[7].direction, again.rays[7].direction);
+  EXPECT_NE(batch.rays[7].direction, other.rays[7].direction);
+}
+
+TEST(Shadow, OneOpenSceneDoesNotShadowItself) {
+  Scene scene = floor_and_roof();
+  scene.triangles = SharedArray<Triangle>({{{0, 1, 2}}, {{0, 2, 3}}});
+  // Above, below, and in the plane of the square: its triangles are not met from either side.
+  scene.lights = {{.name = "above", .position = {1, 1, 3}},
+                  {.name = "below", .position = {1, 0, -3}},
+                  {.name = "beside", .position = {9, 1, 0}},
+                  {.name = "sun below", .position = {1, 2, -0.01F}, .point_at_infinity = true}};
+  const Changes changes{{"width", std::int64_t{30}}, {"height", std::int64_t{30}}, {"rays", std::int64_t{4}}};
+  const RayBatch batch = generate("shadow", scene, changes);
+  ASSERT_EQ(batch.rays.size(), 3600U);
+  const std::vector<Hit> hits = test::closest_hits(scene, batch.rays);
+  EXPECT_TRUE(std::none_of(hits.begin(), hits.end(), [](const Hit& h) { return h.is_hit(); }));
+}
+
+TEST(Shadow, OnlyWhatLiesUnderTheRoofIsInItsShadow) {
+  Scene scene = floor_and_roof();
+  scene.lights = {{.name = "sun", .position = {0, 0, 1}, .point_at_infinity = true}};
+  // From the side, where the camera sees the floor below the roof.
+  scene.cameras = {{.name = "side", .eye = {0.3F, 0.3F, 0.3F}, .target = {1.5F, 1.5F, 0}, .up = {0, 0, 1}, .vertical_fov = 60}};
+  const RayBatch batch = generate("shadow", scene, {{"width", std::int64_t{64}}, {"height", std::int64_t{48}}});
+  const std::vector<Hit> hits = test::closest_hits(scene, batch.rays);
+  std::size_t in_shadow = 0;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const Vec3 p = batch.rays[i].origin;
+    EXPECT_EQ(hits[i].is_hit(), p.x > 1 && p.y > 1 && p.z < 0.5F) << p.x << ' ' << p.y << ' ' << p.z;
+    in_shadow += hits[i].is_hit() ? 1U : 0U;
+  }
+  EXPECT_GT(in_shadow, 20U);
+  EXPECT_LT(in_shadow, hits.size());
+}
+
+TEST(Reflection, MirrorsTheCameraRayAndMeetsNotItsOwnTriangle) {
+  const Scene scene = floor_and_roof();
+  const Changes size{{"width", std::int64_t{20}}, {"height", std::int64_t{20}}};
+  const RayBatch camera = generate("primary", scene, size);
+  const RayBatch batch = generate("reflection", scene, size);
+  EXPECT_EQ(batch.query, Query::closest_hit);
+  EXPECT_EQ(batch.ray_pixels, camera.ray_pixels);
+  ASSERT_EQ(batch.rays.size(), 400U);
+  for (std::size_t i = 0; i < batch.rays.size(); ++i) {
+    const Vec3 d = camera.rays[i].direction;
+    EXPECT_LT(length(batch.rays[i].direction - Vec3{d.x, d.y, -d.z}), 1e-6F);
+    EXPECT_EQ(batch.rays[i].tmax, std::numeric_limits<float>::infinity());
+  }
+  const std::vector<Hit> hits = test::closest_hits(scene, batch.rays);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    // Only the roof is met, from the floor below it.
+    if (hits[i].is_hit()) {
+      EXPECT_GE(hits[i].triangle, 2U);
+      EXPECT_LT(batch.rays[i].origin.z, 0.4F);
+    }
+  }
+}
+
 TEST(Workloads, SeedsMatterAndRepeat) {
   const Scene scene = floor_and_roof();
   const Changes count{{"count", std::int64_t{100}}};

@@ -127,7 +127,7 @@ TEST_F(Render, MethodsMustFit) {
   expect_error("atrium --triangles 1000 --heat-map --builder embree -o " + file("a.png"),
                "this tracer cannot count traversal steps; expected a tracer that counts, such as 'scalar'");
   expect_error("atrium --heat-map --workload random -o " + file("a.png"),
-               "the rays of workload 'random' do not belong to pixels; expected one of ambient-occlusion, primary");
+               "the rays of workload 'random' do not belong to pixels; expected one of ambient-occlusion, primary, reflection, shadow");
   const Outcome outcome = raystudy("render atrium --builder sweep-sha -o " + file("a.png"));
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.text, testing::HasSubstr("did you mean 'sweep-sah'?"));

@@ -73,7 +73,9 @@ std::vector<Traced> workloads(const Scene& scene, ReferenceTracer& reference) {
   const std::map<std::string, Changes, std::less<>> sizes{
       {"primary", {{"width", std::int64_t{160}}, {"height", std::int64_t{120}}}},
       {"random", {{"count", std::int64_t{20000}}}},
-      {"ambient-occlusion", {{"width", std::int64_t{64}}, {"height", std::int64_t{48}}, {"rays", std::int64_t{6}}}}};
+      {"ambient-occlusion", {{"width", std::int64_t{64}}, {"height", std::int64_t{48}}, {"rays", std::int64_t{6}}}},
+      {"shadow", {{"width", std::int64_t{112}}, {"height", std::int64_t{84}}, {"radius", 0.01}}},
+      {"reflection", {{"width", std::int64_t{160}}, {"height", std::int64_t{120}}}}};
   const Registry& registry = Registry::instance();
   const WorkloadContext context{1, [&](auto rays, auto hits) { reference.trace(rays, hits, Query::closest_hit); }};
   std::vector<Traced> all;
