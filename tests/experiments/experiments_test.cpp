@@ -35,7 +35,8 @@ TEST_P(Experiments, ReadsWithoutAMistakeAtEveryScale) {
 
 INSTANTIATE_TEST_SUITE_P(All, Experiments, testing::ValuesIn(experiments()), [](const auto& file) {
   std::string name = std::filesystem::path(file.param).stem().string();
-  std::replace(name.begin(), name.end(), '-', '_');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == '-' || c == '.'; }, '_');
   return name;
 });
 
