@@ -59,17 +59,21 @@ class Selector {
     const std::uint32_t count = tree.inner_count();
     if (count < 3) return at_random(tree, k);  // no two nodes to choose from
     list_measures(tree);
+    std::uint64_t draw = 0;  // the upper half chooses, the lower half accepts
     const auto propose = [&] {
       std::uint32_t n = tree.root();
-      while (n == tree.root()) n = random_inner(count);
+      while (n == tree.root()) {
+        draw = random_();
+        n = 1 + static_cast<std::uint32_t>(((draw >> 32U) * count) >> 32U);
+      }
       return n;
     };
     if (accepted_ == 0 || accepted_ == tree.root()) accepted_ = propose();
     while (selected_.size() < k) {
       // Where nothing is left to prefer (measures of 0), uniform proposals do.
       const std::uint32_t n = propose();
-      const float draw = static_cast<float>(random_() >> 40U) * 0x1p-24F;
-      if (n == accepted_ || !(draw * measures_[accepted_] <= measures_[n])) continue;
+      const float chance = static_cast<float>(draw & 0xffffffU) * 0x1p-24F;
+      if (n == accepted_ || !(chance * measures_[accepted_] <= measures_[n])) continue;
       accepted_ = n;
       selected_.push_back(n);
     }

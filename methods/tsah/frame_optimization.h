@@ -28,16 +28,20 @@ class FrameCosts {
       for (std::size_t side = 0; side < (p == 0 ? 1U : 2U); ++side) add(tree, both, side, pair.link[side]);
     }
     costs_.resize(roots_.size());
-    const auto top = tree.pairs[0].boxes.both();
+    measure_roots(tree);
     for (std::size_t f = 0; f < roots_.size(); ++f) {
-      roots_[f] = static_cast<double>(measured(top.box(f, 0)));
       const double sum =
           static_cast<double>(model_.traversal) * inner_[f] + static_cast<double>(model_.intersection) * leaves_[f];
       costs_[f] = sum / (roots_[f] > 0 ? roots_[f] : 1);
     }
     return costs_;
   }
-  [[nodiscard]] const std::vector<double>& root_measures() const { return roots_; }
+  /// The root's measure in each frame.
+  const std::vector<double>& measure_roots(const Tree& tree) {
+    const auto top = tree.pairs[0].boxes.both();
+    for (std::size_t f = 0; f < roots_.size(); ++f) roots_[f] = static_cast<double>(measured(top.box(f, 0)));
+    return roots_;
+  }
 
  private:
   void add(const Tree& tree, const typename Tree::Doubled& both, std::size_t side, std::uint32_t link) {
@@ -79,12 +83,18 @@ void optimize_over_frames(Bvh2& bvh, const Scene& scene, std::span<const SharedA
     return boxes;
   });
   FrameCosts<Tree> costs(context.cost, frames.size());
-  std::vector<float> weights = frame_weights(costs.of(tree), costs.root_measures(), exponent);
+  // With exponent 0 costs have no part in the weights.
+  const std::vector<double> alike(frames.size(), 1);
+  const auto weigh = [&] {
+    const std::vector<double>& of_frames = exponent > 0 ? costs.of(tree) : alike;
+    return frame_weights(of_frames, costs.measure_roots(tree), exponent);
+  };
+  std::vector<float> weights = weigh();
   const auto run = [&](auto& measure, const auto& set_weights) {
     insertion::Optimization optimization(tree, measure, options, context, start);
     if (exponent > 0) {  // else they never change
       optimization.after_passes([&] {
-        weights = frame_weights(costs.of(tree), costs.root_measures(), exponent);
+        weights = weigh();
         set_weights();
         return true;
       });

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 
 #include "harness/accel/refit.h"
@@ -56,7 +57,9 @@ class Tsah final : public Optimizer {
       return;
     }
     over(frames, bvh, scene, context);
-    Refitter(bvh, scene.triangles, RefitMethod::serial, 1).refit(bvh, scene.vertices);
+    if (!std::equal(scene.vertices.begin(), scene.vertices.end(), frames.front().begin())) {
+      Refitter(bvh, scene.triangles, RefitMethod::serial, 1).refit(bvh, scene.vertices);
+    }
   }
 
  private:
