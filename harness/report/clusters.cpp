@@ -10,14 +10,16 @@ namespace {
 /// Triangles below every node, leaf by leaf; children may stand anywhere behind or before their parents.
 std::vector<std::uint32_t> triangle_counts(const Bvh2& bvh) {
   std::vector<std::uint32_t> order{0};
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const Bvh2Node& node = bvh.nodes[order[i]];
+  std::size_t next = 0;
+  while (next < order.size()) {
+    const Bvh2Node& node = bvh.nodes[order[next++]];
     if (!node.is_leaf()) order.insert(order.end(), {node.first, node.first + 1});
   }
   std::vector<std::uint32_t> counts(bvh.nodes.size());
-  for (auto n = order.rbegin(); n != order.rend(); ++n) {
-    const Bvh2Node& node = bvh.nodes[*n];
-    counts[*n] = node.is_leaf() ? node.count : counts[node.first] + counts[node.first + 1];
+  std::reverse(order.begin(), order.end());  // children before parents
+  for (const std::uint32_t n : order) {
+    const Bvh2Node& node = bvh.nodes[n];
+    counts[n] = node.is_leaf() ? node.count : counts[node.first] + counts[node.first + 1];
   }
   return counts;
 }

@@ -106,7 +106,7 @@ std::shared_ptr<AnimationRun::FrameRays> AnimationRun::frame_rays(std::size_t fr
     }
   }
   rays->rays = std::move(worker_.rays_);
-  double bytes = static_cast<double>(rays->scene.vertices.size() * sizeof(Vec3));
+  auto bytes = static_cast<double>(rays->scene.vertices.size() * sizeof(Vec3));
   for (const auto& [w, one] : rays->rays) bytes += bytes_of(one);
   if (kept_bytes_ + bytes < available_memory() / 4) {
     kept_bytes_ += bytes;

@@ -281,8 +281,8 @@ void Worker::run_group_by_group() {
   std::vector<std::unique_ptr<PipelineWork>> group;
   for (auto& work : pipelines()) {
     if (!guarded(Spent::warm_up, Scope::pipeline, work->index, "building", [&] { build(*work); })) continue;
-    if (!guarded(Spent::checks, Scope::pipeline, work->index, "checking the tree", [&] { require_valid(*work->accel, *scene_); }))
-      continue;
+    const auto check = [&] { require_valid(*work->accel, *scene_); };
+    if (!guarded(Spent::checks, Scope::pipeline, work->index, "checking the tree", check)) continue;
     if (work->build_cell && !guarded(Spent::checks, Scope::cell, *work->build_cell, "measuring the tree",
                                      [&] { measure_tree(*work, *work->accel, *scene_); })) {
       work->build_cell.reset();

@@ -38,7 +38,7 @@ class Reinsertion : public TreeEdit<M, Tree> {
     float cost = std::numeric_limits<float>::infinity();
   };
 
-  using Edit::TreeEdit;
+  using Edit::Edit;
 
   /// The slot where merging `l` enlarges the tree least: Algorithm 1, exactly, for any `hint`. The cost of merging at `hint` only
   /// spares the search what cannot be better.
