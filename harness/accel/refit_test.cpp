@@ -128,6 +128,20 @@ TEST(Refit, RefusesAnotherTree) {
   EXPECT_THROW(Refitter(bvh, scene.triangles, RefitMethod::serial, 1).refit(other, scene.vertices), std::logic_error);
 }
 
+TEST(Refit, LeavesTheSlotBesideTheRootAlone) {
+  const Scene before = test::scene_of(test::random_boxes(100, 1));
+  const Scene after = moved(100);
+  for (const RefitMethod method : methods) {
+    Bvh2 bvh = test::random_tree(before, 1);
+    bvh.nodes[1] = {Box{{1, 2, 3}, {4, 5, 6}}, 4'000'000'000U, 7};  // looks like a leaf far behind the last triangle
+    const Bvh2Node beside = bvh.nodes[1];
+    Refitter(bvh, before.triangles, method, 2).refit(bvh, after.vertices);
+    EXPECT_EQ(bvh.nodes[1].box, beside.box);
+    EXPECT_EQ(bvh.nodes[1].count, beside.count);
+    expect_right_boxes(bvh, after);
+  }
+}
+
 TEST(Refit, CountsWhatItHolds) {
   const Scene scene = test::scene_of(test::random_boxes(1000, 1));
   const Bvh2 bvh = test::random_tree(scene, 1);
