@@ -5,6 +5,7 @@
 
 #include "harness/accel/validate.h"
 #include "harness/method/registry.h"
+#include "tests/support/test_name.h"
 #include "tests/support/trees.h"
 
 namespace raystudy {
@@ -21,13 +22,7 @@ class EveryOptimizer : public testing::TestWithParam<std::string> {
 /// Whether the optimizer only moves nodes in memory, so that it neither lowers the cost nor asks for its measure.
 bool keeps_the_tree(const std::string& name) { return name == "layout"; }
 
-std::string test_name(const testing::TestParamInfo<std::string>& test) {
-  std::string name = test.param;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
-
-INSTANTIATE_TEST_SUITE_P(All, EveryOptimizer, testing::ValuesIn(Registry::instance().names(Role::optimizer)), test_name);
+INSTANTIATE_TEST_SUITE_P(All, EveryOptimizer, testing::ValuesIn(Registry::instance().names(Role::optimizer)), test::test_name);
 
 TEST_P(EveryOptimizer, GivesBackAValidTreeThatCostsNoMore) {
   for (const std::size_t count : {4U, 5U, 10U, 100U, 1000U}) {

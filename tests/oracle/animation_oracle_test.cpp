@@ -17,6 +17,7 @@
 #include "harness/scene/catalog.h"
 #include "harness/scene/open.h"
 #include "harness/scene/procedural.h"
+#include "tests/support/test_name.h"
 
 namespace raystudy {
 namespace {
@@ -106,14 +107,7 @@ std::vector<std::string> animated_scenes() {
   return names;
 }
 
-std::string test_name(const testing::TestParamInfo<std::string>& info) {
-  std::string name = info.param;
-  std::replace_if(
-      name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
-  return name;
-}
-
-INSTANTIATE_TEST_SUITE_P(Scenes, AnimationOracle, testing::ValuesIn(animated_scenes()), test_name);
+INSTANTIATE_TEST_SUITE_P(Scenes, AnimationOracle, testing::ValuesIn(animated_scenes()), test::test_name);
 
 }  // namespace
 }  // namespace raystudy

@@ -11,6 +11,7 @@
 #include "harness/scene/catalog.h"
 #include "harness/scene/open.h"
 #include "harness/scene/procedural.h"
+#include "tests/support/test_name.h"
 
 namespace raystudy {
 namespace {
@@ -145,15 +146,8 @@ std::vector<std::string> procedural_names() {
   return names;
 }
 
-std::string test_name(const testing::TestParamInfo<std::string>& info) {
-  std::string name = info.param;
-  std::replace_if(
-      name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
-  return name;
-}
-
-INSTANTIATE_TEST_SUITE_P(Scenes, CatalogOracle, testing::ValuesIn(catalog_names()), test_name);
-INSTANTIATE_TEST_SUITE_P(Scenes, ProceduralOracle, testing::ValuesIn(procedural_names()), test_name);
+INSTANTIATE_TEST_SUITE_P(Scenes, CatalogOracle, testing::ValuesIn(catalog_names()), test::test_name);
+INSTANTIATE_TEST_SUITE_P(Scenes, ProceduralOracle, testing::ValuesIn(procedural_names()), test::test_name);
 
 }  // namespace
 }  // namespace raystudy

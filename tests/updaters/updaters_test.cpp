@@ -7,6 +7,7 @@
 #include "harness/scene/animation.h"
 #include "tests/support/animated.h"
 #include "tests/support/same_tree.h"
+#include "tests/support/test_name.h"
 
 namespace raystudy {
 namespace {
@@ -31,13 +32,7 @@ class EveryUpdater : public testing::TestWithParam<std::string> {
   }
 };
 
-std::string test_name(const testing::TestParamInfo<std::string>& test) {
-  std::string name = test.param;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
-
-INSTANTIATE_TEST_SUITE_P(All, EveryUpdater, testing::ValuesIn(Registry::instance().names(Role::updater)), test_name);
+INSTANTIATE_TEST_SUITE_P(All, EveryUpdater, testing::ValuesIn(Registry::instance().names(Role::updater)), test::test_name);
 
 TEST_P(EveryUpdater, GivesAValidTreeForEveryFrame) {
   for (const std::size_t count : {1U, 2U, 3U, 500U}) {
