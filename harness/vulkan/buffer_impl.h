@@ -1,0 +1,17 @@
+#pragma once
+
+#include "harness/vulkan/buffer.h"
+#include "harness/vulkan/impl.h"
+
+namespace raystudy::vulkan {
+
+struct Buffer::Impl {
+  std::optional<vk::raii::DeviceMemory> memory;
+  std::optional<vk::raii::Buffer> buffer;
+  std::size_t bytes = 0;
+  std::uint64_t address = 0;
+  std::byte* mapped = nullptr;
+  DeviceImpl* counted = nullptr;  ///< the device in whose bytes this one's are
+};
+
+}  // namespace raystudy::vulkan
