@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,6 +17,7 @@
 #include "harness/accel/bvh2.h"
 #include "harness/geometry/ray.h"
 #include "harness/method/cost_model.h"
+#include "harness/method/device_times.h"
 #include "harness/method/params.h"
 #include "harness/scene/scene.h"
 
@@ -56,6 +58,7 @@ struct BuildContext {
   std::uint64_t seed = 1;
   CostModel cost;
   std::vector<CostSample>* cost_trace = nullptr;  ///< filled by optimizers where not null
+  DeviceTimes* device = nullptr;                  ///< filled by methods that work on a device, where not null
   const std::atomic<bool>* stop = nullptr;        ///< where it turns true, long work ends early with a valid result
   [[nodiscard]] bool stop_requested() const { return stop != nullptr && stop->load(std::memory_order_relaxed); }
 };
@@ -91,8 +94,9 @@ class Encoder : public Method {
 
 /// The tree of one frame.
 struct FrameUpdate {
-  const Accel* accel = nullptr;  ///< valid until the session is asked again
-  bool rebuilt = false;          ///< built anew for this frame, not refitted
+  const Accel* accel = nullptr;            ///< valid until the session is asked again
+  bool rebuilt = false;                    ///< built anew for this frame, not refitted
+  std::optional<double> device_seconds{};  ///< where the update was done on a device: by its clock, in place of the wall's
 };
 
 /// An animation being played frame by frame. What it was prepared with must outlive it.
@@ -149,6 +153,8 @@ class TraceSession {
 
   /// hits.size() == rays.size(); hits come back in the order of the rays. Timed: nothing is counted here.
   virtual void trace(std::span<const Ray> rays, std::span<Hit> hits, Query query) = 0;
+  /// Of the last call of `trace`, where it worked on a device; nullptr for all others.
+  [[nodiscard]] virtual const DeviceTimes* device_times() const { return nullptr; }
   /// False where rays may slip between triangles that share an edge or a corner (Embree: with its robust flag very rarely).
   [[nodiscard]] virtual bool watertight() const { return true; }
   /// True where `count` is implemented (Embree cannot count).

@@ -1,0 +1,1 @@
+raystudy_shaders(${target} ${CMAKE_CURRENT_SOURCE_DIR}/vulkan/shaders)
