@@ -1,8 +1,9 @@
 #pragma once
 
-#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "harness/geometry/box.h"
 
@@ -24,29 +25,51 @@ constexpr std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint3
 }
 
 /// A grid of 2^bits cells an axis over a box; every axis has cells of its own length, so that all of them are used.
+///
+/// Cells are found by single multiplications and subtractions of floats that are rounded to nearest, and by integers, so that a
+/// shader finds the same, whether or not it fuses the products (halves are exact) and whatever it makes of denormal numbers. Of
+/// a center c along an axis of the box from lo to hi, with h = hi / 2 - lo / 2:
+///   scale = 2^bits / h, rounded toward zero; 0 where h < 2^-76 or not finite
+///   cell  = the integer part of (c / 2 - lo / 2) · scale, at most 2^bits - 1; 0 where that is negative or not a number
+/// Nothing overflows up to the largest float, and a center farther along an axis is never in a cell before another's. That
+/// flushed denormals change nothing is what 2^-76 is for: at the bounds of cells, multiples of 2^-97 and more, what is less than
+/// 2^-126 is rounded away.
 class MortonGrid {
  public:
-  /// `bits` from 1 to 21. An axis along which the box has no extent has one cell.
-  MortonGrid(const Box& bounds, int bits) : most_(static_cast<double>((1U << static_cast<unsigned>(bits)) - 1)) {
+  /// `bits` from 2 to 21.
+  MortonGrid(const Box& bounds, int bits) : most_(static_cast<float>((1U << static_cast<unsigned>(bits)) - 1)) {
     for (int axis = 0; axis < 3; ++axis) {
-      origin_[axis] = static_cast<double>(bounds.lower[axis]);
-      const double extent = static_cast<double>(bounds.upper[axis]) - origin_[axis];
-      scale_[axis] = extent > 0 ? (most_ + 1) / extent : 0;
+      half_lower_[axis] = 0.5F * bounds.lower[axis];
+      scale_[axis] = cells_per_length(0.5F * bounds.upper[axis] - half_lower_[axis], bits);
     }
   }
+
+  /// The center of a box as grids take it. The sum of the bounds alone might overflow.
+  [[nodiscard]] static constexpr Vec3 center(const Box& box) { return 0.5F * box.lower + 0.5F * box.upper; }
 
   /// The code of the cell that holds `p`, of 3 · bits bits; points outside the box count to the nearest cell along each axis.
   [[nodiscard]] std::uint64_t code(Vec3 p) const { return morton_code(cell(p, 0), cell(p, 1), cell(p, 2)); }
 
  private:
-  [[nodiscard]] std::uint32_t cell(Vec3 p, int axis) const {
-    // In double: extents of floats overflow, and 21 bits of a difference of floats may be rounding.
-    return static_cast<std::uint32_t>(std::clamp((static_cast<double>(p[axis]) - origin_[axis]) * scale_[axis], 0.0, most_));
+  /// 2^bits / h, rounded toward zero.
+  static float cells_per_length(float h, int bits) {
+    if (!(h >= 0x1p-76F && h <= std::numeric_limits<float>::max())) return 0;
+    const auto word = std::bit_cast<std::uint32_t>(h);
+    const std::uint64_t mantissa = (word & 0x7fffffU) | 0x800000U;  // h = mantissa · 2^(exponent - 150)
+    const int exponent = static_cast<int>(word >> 23U);
+    const auto quotient =
+        static_cast<std::uint32_t>((std::uint64_t{1} << 47U) / mantissa);  // from 2^23 to 2^24: exact as a float
+    return std::ldexp(static_cast<float>(quotient), bits - (exponent - 150) - 47);
   }
 
-  double most_;
-  double origin_[3];
-  double scale_[3];
+  [[nodiscard]] std::uint32_t cell(Vec3 p, int axis) const {
+    const float place = (0.5F * p[axis] - half_lower_[axis]) * scale_[axis];
+    return static_cast<std::uint32_t>(place > 0 ? min(most_, place) : 0);
+  }
+
+  float most_;
+  Vec3 half_lower_;
+  Vec3 scale_;
 };
 
 }  // namespace raystudy

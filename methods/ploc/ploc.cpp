@@ -18,13 +18,7 @@ namespace raystudy::ploc {
 namespace {
 
 using topdown::BoxRecord;
-
-Vec3 center(const BoxRecord& r) {
-  const auto along = [&r](int axis) {
-    return 0.5F * r.lower[axis] - 0.5F * r.negated_upper[axis];
-  };  // the sum alone may overflow
-  return {along(0), along(1), along(2)};
-}
+using topdown::WideBox;
 
 /// Triangles in the order of the Morton codes of their boxes' centers, equal ones in the scene's order. `room`: 32 bytes a
 /// triangle.
@@ -36,7 +30,7 @@ void sort_by_code(std::span<const BoxRecord> records, const MortonGrid& grid, in
   auto* const items = reinterpret_cast<Keyed<Key>*>(room);
   parallel_for_blocks(n, 4096, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      items[i] = {static_cast<Key>(grid.code(center(records[i]))), static_cast<std::uint32_t>(i)};
+      items[i] = {static_cast<Key>(grid.code(MortonGrid::center(WideBox::of(records[i]).box()))), static_cast<std::uint32_t>(i)};
     }
   });
   radix_sort(items, items + n, n, bits, threads,

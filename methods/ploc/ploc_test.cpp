@@ -60,7 +60,7 @@ class Plain {
     const auto n = static_cast<std::uint32_t>(scene.triangles.size());
     const MortonGrid grid(scene.bounds, bits / 3);
     std::vector<std::pair<std::uint64_t, std::uint32_t>> codes;
-    for (std::uint32_t t = 0; t < n; ++t) codes.emplace_back(grid.code(scene.triangle_box(t).center()), t);
+    for (std::uint32_t t = 0; t < n; ++t) codes.emplace_back(grid.code(MortonGrid::center(scene.triangle_box(t))), t);
     std::sort(codes.begin(), codes.end());
     for (const auto& [code, t] : codes) {
       list_.push_back(static_cast<int>(nodes_.size()));
