@@ -75,6 +75,7 @@ void list_quantities() {
       if (quantity.traced == traced) print(quantity);
     }
     if (traced) continue;
+    for (const Quantity& quantity : build_part_quantities()) print(quantity);
     for (const std::string& metric : Registry::instance().names(Role::metric)) {
       for (const Quantity& quantity : metric_quantities(metric)) print(quantity);
     }

@@ -38,6 +38,7 @@ struct MethodInfo {
   std::string citation;  ///< the paper, with section or equation
   std::vector<ParamSpec> params{};
   std::string accel{};  ///< the Accel kind a builder or encoder makes, a tracer, optimizer or metric takes ("" takes all)
+  std::vector<std::string> parts{};       ///< of a builder that works on a device: the parts of its time (DeviceTimes::parts)
   std::vector<MetricValueInfo> values{};  ///< of a metric: every value it may give; tables and figures may name these
 
   /// True where a parameter must name a file, so that the method does not work with its defaults.

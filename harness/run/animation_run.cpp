@@ -142,7 +142,7 @@ void AnimationRun::time_trace(Traced& trace, const Accel& accel, const FrameRays
   const double cpu_start = process_cpu_seconds();
   const double start = Board::now_seconds();
   session->trace(batch.rays, hits, batch.query);
-  trace.seconds[repetition].push_back(Board::now_seconds() - start);
+  trace.seconds[repetition].push_back(trace_seconds(*session, Board::now_seconds() - start));
   trace.cpu_seconds[repetition].push_back(process_cpu_seconds() - cpu_start);
 }
 
@@ -164,13 +164,16 @@ void AnimationRun::play_frame(Played& played, FrameRays& rays, std::size_t frame
   std::unique_ptr<Accel> encoded;
   const ThreadLimit limit(threads);
   const bool updated = worker_.guarded(kind, Scope::pipeline, index, "updating", [&] {
-    StageTimes ignored;
+    StageTimes times;
+    const double not_counted = played.work->first_times.not_counted;
     const double start = Board::now_seconds();
     update = played.session->update(rays.scene, frame);
+    const double passed = Board::now_seconds() - start - (played.work->first_times.not_counted - not_counted);
+    const double seconds = update.device_seconds.value_or(passed);
     if (played.work->pipeline->has_encoder()) {
-      encoded = played.work->pipeline->encode(*update.accel, rays.scene, worker_.context_of(*played.work), ignored);
+      encoded = played.work->pipeline->encode(*update.accel, rays.scene, worker_.context_of(*played.work), times);
     }
-    if (repetition) played.seconds[*repetition].push_back(Board::now_seconds() - start);
+    if (repetition) played.seconds[*repetition].push_back(seconds + times.encode);
   });
   const Accel* accel = encoded ? encoded.get() : update.accel;
   const bool right = updated && (repetition || worker_.guarded(kind, Scope::pipeline, index, "checking the tree", [&] {

@@ -84,6 +84,18 @@ TEST_F(AnimationRunTest, TracesEveryFrameAndAddsUpTheAnimation) {
   EXPECT_EQ(result_of(plan, 2).values.at("triangle_tests_per_ray").median(), 5);
 }
 
+TEST_F(AnimationRunTest, TimesOfADeviceTakeThePlaceOfTheWallClocks) {
+  Plan plan = test_plan({"good", "device"});
+  add_animation(plan, 1, "good");
+  add_traces(plan, {"device"});
+  plan.pipelines[0].updater = Registry::instance().ref(Role::updater, "test-updater", {{"behaviour", "device"}});
+  EXPECT_EQ(run_plan(plan, options).done, 3U);
+  EXPECT_EQ(result_of(plan, 0).values.at("update_time").samples, std::vector<double>(3, 7)) << "by the updater";
+  const std::vector<double> rebuilt = result_of(plan, 1).values.at("update_time").samples;
+  EXPECT_THAT(rebuilt, testing::Each(testing::DoubleNear(3, 0.5))) << "by the builder that the updater calls";
+  EXPECT_EQ(result_of(plan, 2).values.at("frame_time").samples, std::vector<double>(3, 12));
+}
+
 TEST_F(AnimationRunTest, AWrongHitInAnyFrameFailsItsCell) {
   Plan plan = test_plan({"good"});
   add_animation(plan, 2, "good");

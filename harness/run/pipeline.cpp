@@ -14,15 +14,19 @@
 namespace raystudy {
 namespace {
 
-class Stopwatch {
- public:
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
+/// Runs a stage in a context that takes a device's times; returns how long it took.
+template <class Stage>
+double timed(const BuildContext& context, StageTimes& times, const Stage& stage) {
+  DeviceTimes device;
+  BuildContext own = context;
+  own.device = &device;
+  const auto start = std::chrono::steady_clock::now();
+  stage(own);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  times.device.add(device);
+  if (device.seconds) times.not_counted += seconds - *device.seconds;
+  return device.seconds.value_or(seconds);
+}
 
 template <class Tree>  // Accel or const Accel
 auto& as_bvh2(Tree& accel, const std::string& label, std::string_view taker) {
@@ -61,9 +65,8 @@ std::unique_ptr<Accel> Pipeline::make_tree(const Scene& scene, const BuildContex
   };
   times.optimize.resize(optimizers_.size(), 0);
   enter("building");
-  const Stopwatch build_watch;
-  std::unique_ptr<Accel> accel = builder_->build(scene, context);
-  times.build += build_watch.seconds();
+  std::unique_ptr<Accel> accel;
+  times.build += timed(context, times, [&](const BuildContext& c) { accel = builder_->build(scene, c); });
   if (!accel) throw Error(fmt::format("'{}': its builder made nothing", label_));
   double before = 0;
   for (std::size_t i = 0; i < optimizers_.size(); ++i) {
@@ -72,9 +75,7 @@ std::unique_ptr<Accel> Pipeline::make_tree(const Scene& scene, const BuildContex
     std::vector<CostSample> trace;
     BuildContext own = context;
     if (context.cost_trace != nullptr) own.cost_trace = &trace;
-    const Stopwatch watch;
-    optimizers_[i]->optimize(bvh, scene, own);
-    const double seconds = watch.seconds();
+    const double seconds = timed(own, times, [&](const BuildContext& c) { optimizers_[i]->optimize(bvh, scene, c); });
     times.optimize[i] += seconds;
     for (const CostSample& sample : trace) context.cost_trace->push_back({before + sample.seconds, sample.cost});
     before += seconds;
@@ -86,9 +87,8 @@ std::unique_ptr<Accel> Pipeline::encode(const Accel& tree, const Scene& scene, c
                                         const OnStage& on_stage) const {
   if (on_stage) on_stage("encoding");
   const Bvh2& bvh = as_bvh2(tree, label_, "its encoder");
-  const Stopwatch watch;
-  std::unique_ptr<Accel> encoded = encoder_->encode(bvh, scene, context);
-  times.encode += watch.seconds();
+  std::unique_ptr<Accel> encoded;
+  times.encode += timed(context, times, [&](const BuildContext& c) { encoded = encoder_->encode(bvh, scene, c); });
   if (!encoded) throw Error(fmt::format("'{}': its encoder made nothing", label_));
   return encoded;
 }

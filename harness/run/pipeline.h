@@ -11,11 +11,13 @@
 
 namespace raystudy {
 
-/// Wall-clock seconds of a pipeline's stages.
+/// Seconds of a pipeline's stages, by the clock on the wall; of a stage that works on a device, by the device's.
 struct StageTimes {
   double build = 0;
   std::vector<double> optimize;  ///< one an optimizer, in order
   double encode = 0;
+  DeviceTimes device{};    ///< of all stages together
+  double not_counted = 0;  ///< seconds by the wall clock of stages on a device, less those of the device
   [[nodiscard]] double optimize_sum() const;
   [[nodiscard]] double total() const { return build + optimize_sum() + encode; }
 };

@@ -44,8 +44,8 @@ enum class CellStatus : unsigned char { done, failed, missing };
 ///
 /// Names of `values` and `series` are the quantities of harness/spec/quantity.h: the harness's own and those of the experiment's
 /// metrics. A stage that the pipeline does not have gives no time, a tracer that cannot count gives no counts. Beside them stand
-/// `optimize_time:NAME` for each of several optimizers, `cpu_time` (s, of all threads, in one iteration) and `iterations` (how
-/// many times the work was repeated within each sample).
+/// `optimize_time:NAME` for each of several optimizers, `build_time:PART` for each part of a builder's time on a device,
+/// `cpu_time` (s, of all threads, in one iteration) and `iterations` (how many times the work was repeated within each sample).
 struct CellResult {
   std::string id;          ///< hash of everything that can change the numbers (Cell::id)
   std::string experiment;  ///< the YAML's file name without extension

@@ -77,6 +77,25 @@ TEST_F(RunTest, MeasuresEveryCellOfAPlan) {
   EXPECT_TRUE(std::is_sorted(series.x.begin(), series.x.end()));
 }
 
+TEST_F(RunTest, TimesOfADeviceTakeThePlaceOfTheWallClocks) {
+  Plan plan = test_plan({"device", "good"});
+  add_traces(plan, {"device"});
+  EXPECT_EQ(run_plan(plan, options).done, 3U) << log();
+  const CellResult built = result_of(plan, 0);
+  const std::vector<double> thrice(3, 3);
+  EXPECT_EQ(built.values.at("build_time").samples, thrice);
+  EXPECT_EQ(built.values.at("total_time").samples, thrice);
+  EXPECT_EQ(built.values.at("build_time:sort").samples, std::vector<double>(3, 1));
+  EXPECT_EQ(built.values.at("build_time:split").samples, std::vector<double>(3, 2));
+  EXPECT_EQ(built.values.at("upload_time").samples, std::vector<double>(3, 0.5));
+  EXPECT_EQ(built.values.at("download_time").samples, std::vector<double>(3, 0.25));
+  EXPECT_EQ(built.values.at("device_memory").samples, std::vector<double>{4096});
+  EXPECT_EQ(built.series.at("level_time"), (Series{"level", "1", "s", {1, 2}, {2, 1}}));
+  EXPECT_EQ(built.series.at("level_active"), (Series{"level", "1", "1", {1, 2}, {1, 2}}));
+  EXPECT_FALSE(result_of(plan, 1).values.contains("upload_time"));
+  EXPECT_EQ(result_of(plan, 2).values.at("trace_time").samples, std::vector<double>(3, 5));
+}
+
 TEST_F(RunTest, EveryResultSaysWhereItComesFrom) {
   const Plan plan = test_plan({"good"});
   (void)run_plan(plan, options);

@@ -64,7 +64,8 @@ class TestBuilder : public Builder {
             .summary = "behaves as it is told",
             .citation = "none",
             .params = {text_param("behaviour", "good", "what it does")},
-            .accel = "bvh2"};
+            .accel = "bvh2",
+            .parts = {"sort", "split"}};
   }
   [[nodiscard]] std::unique_ptr<Accel> build(const Scene& scene, const BuildContext& context) const override {
     static std::map<std::string, int> calls;
@@ -81,6 +82,14 @@ class TestBuilder : public Builder {
     if (behaviour_ == "throw later" && call == 2) throw Error("no luck the second time");
     if (behaviour_ == "sleep") std::this_thread::sleep_for(std::chrono::hours(1));
     if (behaviour_ == "take 100 ms") std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    if (behaviour_ == "device" && context.device != nullptr) {
+      *context.device = {.seconds = 3,
+                         .upload = 0.5,
+                         .download = 0.25,
+                         .parts = {{"sort", 1}, {"split", 2}},
+                         .levels = {{2, 1}, {1, 2}},
+                         .peak_bytes = 4096};
+    }
     if (behaviour_ == "eat memory") eat_memory();
     if (behaviour_ == "eat memory in noexcept") eat_memory_in_noexcept();
     if (behaviour_ == "hold 64 MiB") {
@@ -119,7 +128,9 @@ class TestSession : public TraceSession {
     for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = closest(rays[i]);
     if (behaviour_ == "miss one") hits[3] = {};
     if (behaviour_ == "hit too far") hits[5].t *= 1.5F;
+    times_.seconds = 5;
   }
+  [[nodiscard]] const DeviceTimes* device_times() const override { return behaviour_ == "device" ? &times_ : nullptr; }
   [[nodiscard]] bool counts() const override { return behaviour_ == "count"; }
   TraceCounts count(std::span<const Ray> rays, Query, std::span<std::uint32_t>) override {
     return {.inner_nodes = 3 * rays.size(),
@@ -137,6 +148,7 @@ class TestSession : public TraceSession {
   const Scene& scene_;
   std::string behaviour_;
   int calls_ = 0;
+  DeviceTimes times_;
 };
 
 class TestTracer : public Tracer {
@@ -207,7 +219,9 @@ class TestUpdateSession : public UpdateSession {
     if (behaviour_ == "throw in frame 1" && index == 1) throw Error("lost the frame");
     if (behaviour_ == "crash in frame 1" && index == 1) crash();
     if (behaviour_ != "keep" || !tree_) tree_ = build_(frame);
-    return {tree_.get(), index % 2 == 1};
+    FrameUpdate result{tree_.get(), index % 2 == 1};
+    if (behaviour_ == "device") result.device_seconds = 7;
+    return result;
   }
   [[nodiscard]] std::size_t bytes() const override { return 100; }
 

@@ -36,6 +36,11 @@ std::string out_of_memory(const Plan& plan, std::string_view stage) {
 
 Measurement exact(std::string unit, double value) { return {ValueClass::exact, std::move(unit), {value}}; }
 
+double trace_seconds(const TraceSession& session, double seconds) {
+  const DeviceTimes* device = session.device_times();
+  return device != nullptr ? device->seconds.value_or(seconds) : seconds;
+}
+
 void add_counts(CellResult& result, const TraceCounts& counts, double rays) {
   const auto a_ray = [rays](std::uint64_t sum) { return exact("1", static_cast<double>(sum) / rays); };
   result.values["steps_per_ray"] = a_ray(counts.traversal_steps());
@@ -194,11 +199,10 @@ void Worker::build(PipelineWork& work) {
   std::vector<CostSample> trace;
   BuildContext context = context_of(work);
   context.cost_trace = &trace;
-  StageTimes times;
   const ThreadLimit limit(context.threads);
   const PeakMemory peak;
-  work.accel =
-      work.pipeline->run(*scene_, context, times, [&](std::string_view stage) { announce(Scope::pipeline, work.index, stage); });
+  work.accel = work.pipeline->run(*scene_, context, work.first_times,
+                                  [&](std::string_view stage) { announce(Scope::pipeline, work.index, stage); });
   if (const std::optional<double> bytes = peak.bytes()) {
     work.build_result.values["peak_memory"] = {ValueClass::absolute, "bytes", {*bytes}};
   }

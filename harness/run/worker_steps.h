@@ -35,6 +35,8 @@ class WrongResult : public std::runtime_error {
 void add_counts(CellResult& result, const TraceCounts& counts, double rays);
 /// The samples of optimizers as a series over seconds; nothing where there are none.
 void add_cost_trace(CellResult& result, const std::vector<CostSample>& trace);
+/// How long the last trace took: `seconds` by the wall clock, or what the device measured.
+[[nodiscard]] double trace_seconds(const TraceSession& session, double seconds);
 /// Throws WrongResult where find_problems finds something.
 void require_valid(const Accel& accel, const Scene& scene);
 /// Throws WrongResult where a hit is wrong; the first one is enough for a row's reason.
@@ -93,6 +95,7 @@ class Worker {
   TimedWork timed_build(PipelineWork& work);
   static Lap lap_of(const StageTimes& times, double seconds);
   void add_stage_times(PipelineWork& work, const std::vector<TimedSample>& samples);
+  static void add_device_times(PipelineWork& work, const std::vector<TimedSample>& samples);
   TimedWork timed_trace(const PipelineWork& work, TraceWork& trace);
   [[nodiscard]] std::vector<std::unique_ptr<PipelineWork>> pipelines() const;
   [[nodiscard]] BuildContext context_of(const PipelineWork& work) const;

@@ -5,9 +5,14 @@
 #include "harness/run/memory.h"
 #include "harness/run/thread_limit.h"
 #include "harness/run/worker_steps.h"
+#include "harness/spec/quantity.h"
 
 namespace raystudy {
 namespace {
+
+/// Places in Lap::parts: build, encode, upload, download, each optimizer, each part of the device's time.
+constexpr std::size_t upload_part = 2;
+constexpr std::size_t optimize_part = 4;
 
 /// One sample from each repetition.
 template <class Get>
@@ -35,7 +40,7 @@ TimedWork Worker::timed_build(PipelineWork& work) {
     StageTimes times;
     std::unique_ptr<Accel> accel =
         work.pipeline->run(*scene_, context, times, [this, cell](std::string_view stage) { announce(Scope::cell, cell, stage); });
-    board_.add_time(Spent::measured, times.total());
+    board_.add_time(Spent::measured, times.total() + times.device.upload + times.device.download);
     const double built = Board::now_seconds();
     accel.reset();
     board_.add_time(Spent::set_up, Board::now_seconds() - built);
@@ -49,9 +54,36 @@ TimedWork Worker::timed_build(PipelineWork& work) {
 }
 
 Lap Worker::lap_of(const StageTimes& times, double seconds) {
-  Lap lap{seconds, {times.build, times.encode}};
+  Lap lap{seconds, {times.build, times.encode, times.device.upload, times.device.download}};
   lap.parts.insert(lap.parts.end(), times.optimize.begin(), times.optimize.end());
+  for (const DeviceTimes::Part& part : times.device.parts) lap.parts.push_back(part.seconds);
   return lap;
+}
+
+/// What only methods have that work on a device.
+void Worker::add_device_times(PipelineWork& work, const std::vector<TimedSample>& samples) {
+  const DeviceTimes& device = work.first_times.device;
+  if (!device.seconds) return;
+  CellResult& result = work.build_result;
+  const auto add = [&](const std::string& name, std::size_t part) {
+    result.values[name] = timed("s", samples, [part](const TimedSample& s) { return s.parts.at(part); });
+  };
+  add("upload_time", upload_part);
+  add("download_time", upload_part + 1);
+  for (std::size_t i = 0; i < device.parts.size(); ++i) {
+    add(build_part_quantity(device.parts[i].name), optimize_part + work.pipeline->optimizer_names().size() + i);
+  }
+  result.values["device_memory"] = {ValueClass::absolute, "bytes", {static_cast<double>(device.peak_bytes)}};
+  if (device.levels.empty()) return;
+  Series time{"level", "1", "s", {}, {}};
+  Series active{"level", "1", "1", {}, {}};
+  for (std::size_t i = 0; i < device.levels.size(); ++i) {
+    for (Series* series : {&time, &active}) series->x.push_back(static_cast<double>(i + 1));
+    time.y.push_back(device.levels[i].seconds);
+    active.y.push_back(device.levels[i].active);
+  }
+  result.series["level_time"] = std::move(time);
+  result.series["level_active"] = std::move(active);
 }
 
 void Worker::add_stage_times(PipelineWork& work, const std::vector<TimedSample>& samples) {
@@ -63,10 +95,15 @@ void Worker::add_stage_times(PipelineWork& work, const std::vector<TimedSample>&
   if (work.pipeline->has_encoder() && !plan_.animation) result.values["encode_time"] = part(1);
   const std::vector<std::string>& names = work.pipeline->optimizer_names();
   if (!names.empty()) {
-    result.values["optimize_time"] =
-        timed("s", samples, [](const TimedSample& s) { return std::accumulate(s.parts.begin() + 2, s.parts.end(), 0.0); });
+    result.values["optimize_time"] = timed("s", samples, [&names](const TimedSample& s) {
+      const auto first = s.parts.begin() + optimize_part;
+      return std::accumulate(first, first + static_cast<std::ptrdiff_t>(names.size()), 0.0);
+    });
   }
-  for (std::size_t i = 0; names.size() > 1 && i < names.size(); ++i) result.values["optimize_time:" + names[i]] = part(2 + i);
+  for (std::size_t i = 0; names.size() > 1 && i < names.size(); ++i) {
+    result.values["optimize_time:" + names[i]] = part(optimize_part + i);
+  }
+  add_device_times(work, samples);
   result.values["total_time"] = timed("s", samples, [](const TimedSample& s) { return s.seconds; });
   add_common_times(result, samples);
 }
@@ -86,7 +123,7 @@ TimedWork Worker::timed_trace(const PipelineWork& work, TraceWork& trace) {
     trace.session->trace(batch.rays, hits, batch.query);
     const double seconds = Board::now_seconds() - start;
     board_.add_time(Spent::measured, seconds);
-    return Lap{seconds, {}};
+    return Lap{trace_seconds(*trace.session, seconds), {}};
   };
   timed_work.finished = [this, &trace](const std::vector<TimedSample>& samples) {
     const auto count = static_cast<double>(trace.rays->batch.rays.size());

@@ -7,6 +7,7 @@
 namespace raystudy {
 
 Lookup::Lookup(Reading& reading, const Plan& plan) : reading_(reading), plan_(plan), quantities_(harness_quantities()) {
+  for (Quantity& quantity : build_part_quantities()) quantities_.push_back(std::move(quantity));
   for (const MethodRef& metric : plan.metrics) {
     for (Quantity& quantity : metric_quantities(metric.name)) quantities_.push_back(std::move(quantity));
   }

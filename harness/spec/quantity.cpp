@@ -1,5 +1,7 @@
 #include "harness/spec/quantity.h"
 
+#include <algorithm>
+
 #include "harness/method/registry.h"
 
 namespace raystudy {
@@ -44,6 +46,11 @@ const std::vector<Quantity>& harness_quantities() {
       {"encode_time", "s", "time of the encoder"},
       {"total_time", "s", "time of all stages: builder, optimizers, encoder"},
       {"peak_memory", "bytes", "most memory in use while building, over what the scene itself takes"},
+      {"upload_time", "s", "time to bring to the device what is built there"},
+      {"download_time", "s", "time to bring back what was built on a device"},
+      {"device_memory", "bytes", "most memory of the device in use while building there"},
+      {"level_time", "s", "time to build a level of the tree, of builders that go breadth first", false, "level"},
+      {"level_active", "1", "nodes of a level that were to be split, of builders that go breadth first", false, "level"},
       {"cost_over_time", "1", "cost of the tree while it is optimized, from the end of the builder", false, "seconds"},
       {"cpu_time", "s", "processor time of all stages, over all threads"},
       of_animations({"average_cost", "1", "cost of the tree, mean over the frames"}),
@@ -81,6 +88,20 @@ std::vector<Quantity> metric_quantities(std::string_view metric) {
   std::vector<Quantity> all;
   for (const MetricValueInfo& value : info.values) {
     all.push_back({value.name, value.unit, value.summary.empty() ? info.summary : value.summary, false, value.axis});
+  }
+  return all;
+}
+
+std::string build_part_quantity(std::string_view part) { return "build_time:" + std::string(part); }
+
+std::vector<Quantity> build_part_quantities() {
+  std::vector<Quantity> all;
+  for (const Registry::Entry* entry : Registry::instance().entries()) {
+    for (const std::string& part : entry->info.parts) {
+      const std::string name = build_part_quantity(part);
+      const auto same = [&name](const Quantity& q) { return q.name == name; };
+      if (std::none_of(all.begin(), all.end(), same)) all.push_back({name, "s", "a part of the builder's time on its device"});
+    }
   }
   return all;
 }

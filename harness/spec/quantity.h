@@ -23,6 +23,9 @@ inline constexpr const char* break_even_quantity = "break_even";
 
 /// What the harness itself measures: stage times, peak memory, rays a second, the cost while optimizing.
 [[nodiscard]] const std::vector<Quantity>& harness_quantities();
+/// The quantity that a part of a builder's time is (MethodInfo::parts), `build_time:PART`; and those of all registered builders.
+[[nodiscard]] std::string build_part_quantity(std::string_view part);
+[[nodiscard]] std::vector<Quantity> build_part_quantities();
 /// What a registered Metric says it gives (MethodInfo::values). Throws Error for an unknown name.
 [[nodiscard]] std::vector<Quantity> metric_quantities(std::string_view metric);
 

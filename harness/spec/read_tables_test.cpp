@@ -357,7 +357,8 @@ TEST(ReadFigures, Mistakes) {
   EXPECT_EQ(errors("figures: {f: {}}\n"),
             "x.yaml:9:14: figure 'f' has no 'kind'; expected one of heat-map, render, film-strip, depth-histogram, pareto, line");
   EXPECT_EQ(errors("figures: {f: {kind: heatmap}}\n"),
-            "x.yaml:9:21: there is no kind of figure 'heatmap'; expected one of heat-map, render, film-strip, depth-histogram, pareto, line; "
+            "x.yaml:9:21: there is no kind of figure 'heatmap'; expected one of heat-map, render, film-strip, depth-histogram, "
+            "pareto, line; "
             "did you mean "
             "'heat-map'?");
   EXPECT_EQ(errors("figures: {f: {kind: depth-histogram, methods: [x]}}\n"),

@@ -104,6 +104,7 @@ json pipeline_schema() {
 std::vector<std::string> quantity_names() {
   std::vector<std::string> names;
   for (const Quantity& quantity : harness_quantities()) names.push_back(quantity.name);
+  for (const Quantity& quantity : build_part_quantities()) names.push_back(quantity.name);
   for (const std::string& metric : Registry::instance().names(Role::metric)) {
     for (const Quantity& quantity : metric_quantities(metric)) names.push_back(quantity.name);
   }
