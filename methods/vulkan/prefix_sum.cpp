@@ -22,7 +22,7 @@ PrefixSum::PrefixSum(vulkan::Device& device, const DeviceShape& shape)
       sum_of_tiles_(device.kernel("sum_of_tiles", {shape.scan_group})),
       sum_before_(device.kernel("sum_before", {shape.scan_group, shape.scan_items})) {}
 
-std::uint64_t PrefixSum::tiles_of(std::uint64_t n) const { return (n + tile_ - 1) / tile_; }
+std::uint64_t PrefixSum::tiles_of(std::uint64_t n) const { return groups_for(n, tile_); }
 
 std::size_t PrefixSum::room_for(std::uint64_t n) const { return tiles_of(n) * sizeof(std::uint32_t); }
 

@@ -32,7 +32,9 @@ Words read(const Slice& slice, std::size_t n) {
 }
 
 /// As the device likes it, as GPUs do, and small.
-std::vector<DeviceShape> shapes() { return {shape_of(Device::shared()), {128, 128, 16, 128, 16, 4}, {8, 32, 2, 32, 3, 5}}; }
+std::vector<DeviceShape> shapes() {
+  return {shape_of(Device::shared()), {128, 128, 1, 128, 16, 128, 16, 4}, {8, 8, 1, 32, 2, 32, 3, 5}};
+}
 
 void check_sums(const DeviceShape& shape, std::uint32_t n) {
   Device& device = Device::shared();

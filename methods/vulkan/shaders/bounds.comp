@@ -3,6 +3,8 @@
 #include "methods/vulkan/shaders/scene.glsl"
 
 // The box of every triangle, and the box of them all (its six numbers in sortable form, begun as an empty box by the host).
+layout(constant_id = 1) const uint items = 1;  // triangles of an invocation
+
 layout(push_constant, scalar) uniform Push {
   Vertices vertices;
   Triangles triangles;
@@ -17,18 +19,22 @@ void main() {
   const uint lane = gl_LocalInvocationID.x;
   for (uint k = lane; k < 6; k += gl_WorkGroupSize.x) group_bounds[k] = k < 3 ? ~0u : 0u;
   barrier();
-  const uint i = invocation_index();
-  if (i < push.count) {
+  Box all = empty_box();
+  const uint begin = group_index() * gl_WorkGroupSize.x * items + lane;
+  for (uint k = 0; k < items; ++k) {
+    const uint i = begin + k * gl_WorkGroupSize.x;
+    if (i >= push.count) break;
     const uvec3 t = push.triangles.at[i];
     const vec3 a = push.vertices.at[t.x];
     const vec3 b = push.vertices.at[t.y];
     const vec3 c = push.vertices.at[t.z];
-    const Box box = Box(min(a, min(b, c)), max(a, max(b, c)));
+    const Box box = Box(min(min(a, b), c), max(max(a, b), c));
     push.boxes.at[i] = box;
-    for (uint axis = 0; axis < 3; ++axis) {
-      atomicMin(group_bounds[axis], sortable(box.lower[axis]));
-      atomicMax(group_bounds[3 + axis], sortable(box.upper[axis]));
-    }
+    all = united(all, box);
+  }
+  for (uint axis = 0; axis < 3; ++axis) {
+    atomicMin(group_bounds[axis], sortable(all.lower[axis]));
+    atomicMax(group_bounds[3 + axis], sortable(all.upper[axis]));
   }
   barrier();
   for (uint k = lane; k < 3; k += gl_WorkGroupSize.x) {

@@ -1,0 +1,55 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "methods/vulkan/shaders/scene.glsl"
+#include "methods/vulkan/shaders/lbvh.glsl"
+#include "methods/vulkan/shaders/leaf.glsl"
+
+// Hierarchy and boxes in one pass from the leaves up (Apetrei 2014): the parent of a range of leaves is split at the deeper of the
+// two splits beside it. Of the invocations that come up to a node the first leaves where its range ends and stops, the second goes
+// on with the node.
+layout(buffer_reference, scalar, buffer_reference_align = 32) coherent buffer SharedNodes { Node at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Ends { uint at[]; };
+
+layout(push_constant, scalar) uniform Push {
+  Boxes boxes;
+  Uints order;
+  Uints leaf_first;
+  Uints depths;
+  SharedNodes nodes;
+  Ends ends;  // of each split, begun as ~0
+  uint leaves;
+} push;
+
+void main() {
+  const uint leaf = invocation_index();
+  if (leaf >= push.leaves) return;
+  uint first = leaf;
+  uint last = leaf;
+  Node node = leaf_node(push.boxes, push.order, push.leaf_first, leaf);
+  // Depths of the splits before and behind; there is none before the first leaf nor behind the last.
+  int before = first > 0 ? int(push.depths.at[first - 1]) : -1;
+  int behind = last + 1 < push.leaves ? int(push.depths.at[last]) : -1;
+  while (before >= 0 || behind >= 0) {
+    const bool left = behind > before;
+    const uint split = left ? last : first - 1;
+    const uint slot = left ? left_slot(last) : right_slot(first);
+    push.nodes.at[slot] = node;
+    memoryBarrierBuffer();
+    const uint end = atomicExchange(push.ends.at[split], left ? first : last);
+    if (end == ~0u) return;
+    memoryBarrierBuffer();
+    const Box sibling = push.nodes.at[slot ^ 1].box;
+    if (left) {
+      last = end;
+      behind = last + 1 < push.leaves ? int(push.depths.at[last]) : -1;
+      node.box = united(node.box, sibling);
+    } else {
+      first = end;
+      before = first > 0 ? int(push.depths.at[first - 1]) : -1;
+      node.box = united(sibling, node.box);
+    }
+    node.first = children_of(split);
+    node.count = 0;
+  }
+  push.nodes.at[0] = node;
+}

@@ -1,0 +1,27 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "methods/vulkan/shaders/scene.glsl"
+
+// 1 for each place behind which a node of more than max_leaf triangles is split, 0 for all others. A node's range ends, to either
+// side, before the first split that is less deep than its own.
+layout(constant_id = 1) const uint max_leaf = 1;
+
+layout(push_constant, scalar) uniform Push {
+  Uints depths;
+  Uints kept;
+  uint count;
+} push;
+
+void main() {
+  const uint p = invocation_index();
+  if (p >= push.count) return;
+  if (p == push.count - 1) {
+    push.kept.at[p] = 0;
+    return;
+  }
+  const uint depth = push.depths.at[p];
+  uint size = 2;
+  for (uint i = p; i > 0 && size <= max_leaf && push.depths.at[i - 1] > depth; --i) ++size;
+  for (uint i = p + 1; i < push.count - 1 && size <= max_leaf && push.depths.at[i] > depth; ++i) ++size;
+  push.kept.at[p] = size > max_leaf ? 1 : 0;
+}
