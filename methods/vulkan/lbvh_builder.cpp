@@ -35,13 +35,12 @@ class Lbvh final : public Builder {
     device.reset_peak_bytes();
     const DeviceScene on_device(device, scene);
     MortonOrder order(device, on_device, static_cast<std::uint32_t>(std::stoi(params_.text("morton_bits"))));
-    vulkan::Commands commands(device);
-    order.record(commands);
-    std::vector<vulkan::PartTime> parts = commands.finish();
-    LbvhTree tree(device, order, static_cast<std::uint32_t>(params_.integer("max_leaf_triangles")),
-                  params_.text("construction") == "karras" ? Construction::karras : Construction::apetrei);
-    add_parts(parts, tree.build());
-    const double download = download_tree(device, tree.nodes(), tree.leaf_count(), order.order(), order.count(), *bvh);
+    std::vector<vulkan::PartTime> parts = order.build();
+    LbvhLeaves leaves(device, order, static_cast<std::uint32_t>(params_.integer("max_leaf_triangles")));
+    leaves.find(parts);
+    LbvhTree tree(device, leaves, params_.text("construction") == "karras" ? Construction::karras : Construction::apetrei);
+    tree.build(parts);
+    const double download = download_tree(device, tree.nodes(), leaves.count(), order.order(), order.count(), *bvh);
     report(context.device, parts, on_device.upload_seconds(), download, device.peak_bytes());
     return bvh;
   }

@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "harness/accel/validate.h"
+#include "harness/base/error.h"
 #include "harness/geometry/morton.h"
 #include "harness/method/registry.h"
 #include "harness/scene/open.h"
@@ -127,6 +128,14 @@ TEST_F(DeviceLbvh, OfHugeAndTinyCoordinates) {
 TEST_F(DeviceLbvh, OfAScene) { check_all(open_scene("atrium", 20000)); }
 
 TEST_F(DeviceLbvh, OfNoTrianglesHasNoNodes) { EXPECT_TRUE(build("gpu-lbvh", Scene(), {}).empty()); }
+
+TEST_F(DeviceLbvh, TreeletsCannotShareMoreBitsThanThereAre) {
+  EXPECT_THAT(
+      [] {
+        build("gpu-hlbvh", Scene(), {{"sah_bits", std::int64_t{31}}});
+      },
+      testing::ThrowsMessage<Error>("gpu-hlbvh: sah_bits is 31, but codes have 30 bits (morton_bits); expected no more"));
+}
 
 TEST_F(DeviceLbvh, TellsItsTimes) {
   DeviceTimes times;

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "harness/accel/bvh2.h"
 #include "harness/vulkan/commands.h"
-#include "methods/vulkan/morton_order.h"
+#include "methods/vulkan/lbvh_leaves.h"
 
 namespace raystudy::gpu {
 
@@ -16,30 +15,22 @@ enum class Construction : std::uint8_t { karras, apetrei };
 /// its nodes stand.
 class LbvhTree {
  public:
-  /// `order` has been built.
-  LbvhTree(vulkan::Device& device, const MortonOrder& order, std::uint32_t max_leaf_triangles, Construction construction);
+  /// `leaves` have been found.
+  LbvhTree(vulkan::Device& device, const LbvhLeaves& leaves, Construction construction);
 
-  /// Parts "leaves", "hierarchy" and "boxes".
-  [[nodiscard]] std::vector<vulkan::PartTime> build();
+  /// Parts "hierarchy" and, by Karras, "boxes", added to `parts`.
+  void build(std::vector<vulkan::PartTime>& parts);
 
-  [[nodiscard]] std::uint32_t leaf_count() const { return leaves_; }
-  [[nodiscard]] vulkan::Slice nodes() const { return nodes_->all(); }
+  [[nodiscard]] vulkan::Slice nodes() const { return nodes_.all(); }
 
  private:
-  void find_leaves(std::vector<vulkan::PartTime>& parts);
-  void record_karras(vulkan::Commands& commands, const vulkan::Slice& slots, const vulkan::Slice& arrivals) const;
+  void record_karras(vulkan::Commands& commands) const;
 
   vulkan::Device& device_;
-  const MortonOrder& order_;
-  std::uint32_t max_leaf_triangles_;
+  const LbvhLeaves& leaves_;
   Construction construction_;
-  PrefixSum sum_;
-  vulkan::Arena arena_;
-  vulkan::Slice leaf_first_;
-  vulkan::Slice leaf_depths_;
-  vulkan::Slice depths_;  ///< of splits between leaves
-  std::uint32_t leaves_;
-  std::unique_ptr<vulkan::Buffer> nodes_;
+  vulkan::Buffer nodes_;
+  vulkan::Buffer slots_;  ///< by Karras: of each split, where the node that it splits stands
 };
 
 }  // namespace raystudy::gpu

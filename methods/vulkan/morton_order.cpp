@@ -57,7 +57,8 @@ MortonOrder::MortonOrder(vulkan::Device& device, const DeviceScene& scene, std::
   }
 }
 
-void MortonOrder::record(vulkan::Commands& commands) {
+std::vector<vulkan::PartTime> MortonOrder::build() {
+  vulkan::Commands commands(device_);
   const DeviceShape shape = shape_of(device_);
   const std::uint64_t groups = groups_for(count_, shape.group * shape.items);
   const std::uint64_t high = two_words() ? items_.high.address() : 0;
@@ -78,6 +79,7 @@ void MortonOrder::record(vulkan::Commands& commands) {
   commands.mark("sort");
   sorted_ = &sort_.record(commands, items_, other_, count_, sort_room_);
   spare_ = sorted_ == &items_ ? &other_ : &items_;
+  return commands.finish();
 }
 
 }  // namespace raystudy::gpu

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "harness/vulkan/commands.h"
 #include "methods/vulkan/device_scene.h"
@@ -15,8 +16,8 @@ class MortonOrder {
   /// `bits`: 30 or 63. The scene has one triangle at least.
   MortonOrder(vulkan::Device& device, const DeviceScene& scene, std::uint32_t bits);
 
-  /// Parts "bounds", "morton" and "sort". The commands end with a barrier.
-  void record(vulkan::Commands& commands);
+  /// Parts "bounds", "morton" and "sort".
+  [[nodiscard]] std::vector<vulkan::PartTime> build();
 
   [[nodiscard]] std::uint32_t count() const { return count_; }
   [[nodiscard]] bool two_words() const { return bits_ > 32; }

@@ -29,7 +29,8 @@ namespace {
 using vulkan::Device;
 
 constexpr const char* builders =
-    "gpu-lbvh,gpu-lbvh(construction=apetrei),gpu-lbvh(morton_bits=63),gpu-lbvh(max_leaf_triangles=8),ploc";
+    "gpu-lbvh,gpu-lbvh(construction=apetrei),gpu-lbvh(morton_bits=63),gpu-hlbvh(split=median),gpu-hlbvh,lbvh,hlbvh(split=median),"
+    "hlbvh";
 
 void sort(benchmark::State& state, std::uint32_t bits) {
   Device& device = Device::shared();

@@ -8,7 +8,7 @@ uint left_slot(uint last) { return 2 * last + 2; }
 uint right_slot(uint first) { return 2 * first + 1; }
 uint children_of(uint split) { return 2 * split + 2; }
 
-// Bits that two keys (code, then place) have in common from the first on.
+// Bits that two keys (code in two words, then place) have in common from the first on.
 uint common_prefix(uvec2 code_a, uvec2 code_b, uint a, uint b) {
   const uvec2 differ = code_a ^ code_b;
   if (differ.y != 0) return 31 - findMSB(differ.y);

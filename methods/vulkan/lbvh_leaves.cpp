@@ -1,0 +1,78 @@
+#include "methods/vulkan/lbvh_leaves.h"
+
+#include <array>
+#include <span>
+
+#include "methods/vulkan/device_shape.h"
+#include "methods/vulkan/download_tree.h"
+
+namespace raystudy::gpu {
+namespace {
+
+struct DepthsPush {
+  std::uint64_t low;
+  std::uint64_t high;
+  std::uint64_t depths;
+  std::uint32_t count;
+};
+struct KeepPush {
+  std::uint64_t depths;
+  std::uint64_t kept;
+  std::uint32_t count;
+};
+
+constexpr std::size_t word = sizeof(std::uint32_t);
+
+std::size_t room_of(const PrefixSum& sum, std::uint32_t n, bool one_a_leaf) {
+  return one_a_leaf ? 0 : vulkan::Arena::bytes_for({(std::size_t{n} + 1) * word, n * word, sum.room_for(n)});
+}
+
+}  // namespace
+
+std::uint32_t read_word(vulkan::Device& device, const vulkan::Slice& words, std::size_t index) {
+  std::array<std::uint32_t, 1> read{};
+  vulkan::download(device, words.part(index * word, word), std::as_writable_bytes(std::span(read)));
+  return read[0];
+}
+
+LbvhLeaves::LbvhLeaves(vulkan::Device& device, const MortonOrder& order, std::uint32_t max_leaf_triangles,
+                       std::uint32_t least_depth)
+    : device_(device),
+      order_(order),
+      max_leaf_triangles_(max_leaf_triangles),
+      least_depth_(least_depth),
+      one_a_leaf_(max_leaf_triangles == 1 && least_depth == 0),
+      count_(order.count()),
+      sum_(device),
+      arena_(device, room_of(sum_, order.count(), one_a_leaf_)) {
+  if (one_a_leaf_) return;
+  first_ = arena_.take((std::size_t{count_} + 1) * word);
+  depths_ = arena_.take(count_ * word);
+  sum_room_ = arena_.take(sum_.room_for(count_));
+}
+
+void LbvhLeaves::find(std::vector<vulkan::PartTime>& parts) {
+  const DeviceShape shape = shape_of(device_);
+  const std::uint32_t n = order_.count();
+  const std::uint64_t depths = order_.first_room().address();
+  const std::uint64_t high = order_.two_words() ? order_.high().address() : 0;
+  const vulkan::Slice& ranks = order_.second_room();
+  vulkan::Commands commands(device_);
+  commands.mark("leaves");
+  commands.run(device_.kernel("lbvh_depths", {shape.group, shape.items, 0, order_.two_words() ? 1U : 0U}),
+               DepthsPush{order_.low().address(), high, depths, n}, groups_for(n, shape.group * shape.items));
+  commands.barrier();
+  if (!one_a_leaf_) {
+    commands.run(device_.kernel("lbvh_keep", {shape.group, max_leaf_triangles_, least_depth_}),
+                 KeepPush{depths, ranks.address(), n}, groups_for(n, shape.group));
+    commands.barrier();
+    sum_.record(commands, ranks, n, sum_room_);
+    commands.run(device_.kernel("ranges", {shape.group}),
+                 RangesPush{ranks.address(), depths, first_.address(), depths_.address(), n}, groups_for(n, shape.group));
+    commands.barrier();
+  }
+  add_parts(parts, commands.finish());
+  if (!one_a_leaf_) count_ = read_word(device_, ranks, n) + 1;
+}
+
+}  // namespace raystudy::gpu
