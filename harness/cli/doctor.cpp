@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "harness/cli/verb.h"
+#include "harness/vulkan/device.h"
 
 namespace raystudy::cli {
 namespace {
@@ -15,7 +16,8 @@ int examine_all(bool json) {
   constexpr double watched_seconds = 0.3;
   std::vector<Finding> all = examine(read_machine(), busy_processes(watched_seconds));
   const char* path = std::getenv("PATH");
-  for (std::vector<Finding> more : {examine_tools(path != nullptr ? path : ""), examine_scenes(), examine_versions()}) {
+  for (std::vector<Finding> more : {examine_tools(path != nullptr ? path : ""), examine_devices(vulkan::list_devices()),
+                                    examine_scenes(), examine_versions()}) {
     std::move(more.begin(), more.end(), std::back_inserter(all));
   }
   fmt::print("{}", json ? findings_json(all) : findings_text(all));

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "harness/base/error.h"
+#include "harness/base/progress.h"
 #include "harness/base/yaml.h"
 #include "harness/cli/verb.h"
 #include "harness/method/registry.h"
@@ -14,6 +15,7 @@
 #include "harness/scene/procedural.h"
 #include "harness/spec/figure_kinds.h"
 #include "harness/spec/quantity.h"
+#include "harness/vulkan/device.h"
 
 namespace raystudy::cli {
 namespace {
@@ -91,10 +93,20 @@ void list_figures() {
   }
 }
 
+void list_devices() {
+  const std::vector<vulkan::DeviceInfo> devices = vulkan::list_devices();
+  if (devices.empty()) fmt::print("there is no Vulkan device on this machine\n");
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const vulkan::DeviceInfo& d = devices[i];
+    fmt::print("  {}  {}\n     {}, {}, {} of memory, subgroups of {}{}\n", i, d.name, d.type, d.driver,
+               bytes_text(static_cast<double>(d.memory)), d.subgroup_size, d.unfit.empty() ? "" : "; lacks " + d.unfit);
+  }
+}
+
 int list(const std::string& what, const std::string& folder) {
   constexpr std::array roles{Role::builder, Role::optimizer, Role::encoder, Role::heuristic,
                              Role::tracer,  Role::workload,  Role::metric,  Role::updater};
-  std::vector<std::string> known{"methods", "scenes", "experiments", "quantities", "figures"};
+  std::vector<std::string> known{"methods", "scenes", "experiments", "quantities", "figures", "devices"};
   if (what == "methods") {
     list_methods(std::nullopt);
   } else if (what == "scenes") {
@@ -105,6 +117,8 @@ int list(const std::string& what, const std::string& folder) {
     list_quantities();
   } else if (what == "figures") {
     list_figures();
+  } else if (what == "devices") {
+    list_devices();
   } else {
     for (const Role role : roles) {
       known.push_back(std::string(role_name(role)) + "s");
@@ -120,14 +134,14 @@ int list(const std::string& what, const std::string& folder) {
   return exit_ok;
 }
 
-const Verb verb{
-    "list", "What there is: methods (by role), scenes, experiments, quantities, figures", [](CLI::App& app) {
-      auto what = std::make_shared<std::string>("methods");
-      auto folder = std::make_shared<std::string>("experiments");
-      app.add_option("what", *what, "methods, builders, ..., scenes, experiments, quantities or figures")->capture_default_str();
-      app.add_option("--folder", *folder, "where experiments are looked for")->capture_default_str();
-      return [what, folder] { return list(*what, *folder); };
-    }};
+const Verb verb{"list", "What there is: methods (by role), scenes, experiments, quantities, figures, devices", [](CLI::App& app) {
+                  auto what = std::make_shared<std::string>("methods");
+                  auto folder = std::make_shared<std::string>("experiments");
+                  app.add_option("what", *what, "methods, builders, ..., scenes, experiments, quantities, figures or devices")
+                      ->capture_default_str();
+                  app.add_option("--folder", *folder, "where experiments are looked for")->capture_default_str();
+                  return [what, folder] { return list(*what, *folder); };
+                }};
 
 }  // namespace
 }  // namespace raystudy::cli

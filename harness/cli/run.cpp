@@ -13,6 +13,7 @@
 #include "harness/report/figure.h"
 #include "harness/report/report.h"
 #include "harness/run/provenance.h"
+#include "harness/vulkan/device.h"
 
 namespace raystudy::cli {
 namespace {
@@ -24,6 +25,7 @@ struct RunFlags {
   double timeout = -1;
   int threads = 0;
   int repetitions = 0;
+  std::string device;
   std::string command;
 };
 
@@ -45,6 +47,7 @@ void apply(const RunFlags& flags, const CLI::App& app, Plan& plan) {
     require(flags.repetitions >= 1, "--repetitions", flags.repetitions, "an integer >= 1");
     plan.repetitions = flags.repetitions;
   }
+  plan.device = flags.device;
 }
 
 /// Of the whole experiment, whatever part of it this run measured.
@@ -64,6 +67,7 @@ int run(const RunFlags& flags, const CLI::App& app) {
   apply(flags, app, plan);
   const std::optional<Published> published = published_of(plan);
   check_tables(plan, published ? &*published : nullptr);
+  if (!plan.device.empty()) vulkan::check_device(plan.device);
   RunOptions options;
   options.results = flags.results;
   options.force = flags.force;
@@ -87,6 +91,9 @@ const Verb verb{"run", "Measure an experiment's cells that have no result yet, a
                   app.add_option("--timeout", flags->timeout, "seconds that one cell may take, its repetitions together");
                   app.add_option("--threads", flags->threads, "threads of builds and traces, in place of the experiment's");
                   app.add_option("--repetitions", flags->repetitions, "in place of the experiment's");
+                  flags->device = vulkan::device_of_environment();
+                  app.add_option("--device", flags->device,
+                                 "Vulkan device by name or number ('raystudy list devices'; RAYSTUDY_DEVICE)");
                   return [flags, &app]() -> int {
                     flags->command = command_line();
                     return run(*flags, app);

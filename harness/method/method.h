@@ -37,7 +37,8 @@ struct MethodInfo {
   std::string summary;   ///< one line
   std::string citation;  ///< the paper, with section or equation
   std::vector<ParamSpec> params{};
-  std::string accel{};  ///< the Accel kind a builder or encoder makes, a tracer, optimizer or metric takes ("" takes all)
+  std::string accel{};     ///< the Accel kind a builder or encoder makes, a tracer, optimizer or metric takes ("" takes all)
+  bool on_device = false;  ///< works on a Vulkan device, and throws Unsupported where there is none
   std::vector<std::string> parts{};       ///< of a builder that works on a device: the parts of its time (DeviceTimes::parts)
   std::vector<MetricValueInfo> values{};  ///< of a metric: every value it may give; tables and figures may name these
 

@@ -241,6 +241,10 @@ class TableBuilder {
       if (cpu == result.provenance.end()) continue;
       const std::string count = threads == result.provenance.end() ? "1" : threads->second;
       machines.insert(fmt::format("Machine: {}, {} thread{}", cpu->second, count, count == "1" ? "" : "s"));
+      const auto device = result.provenance.find("device");
+      if (device != result.provenance.end()) {
+        machines.insert(fmt::format("Device: {}, {}", device->second, result.provenance.at("driver")));
+      }
     }
     table_.remarks.insert(table_.remarks.end(), machines.begin(), machines.end());
   }

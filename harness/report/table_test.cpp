@@ -126,6 +126,12 @@ TEST_F(TableTest, TimesOfTwoMachinesHaveNoRatio) {
   EXPECT_THAT(table.remarks, testing::IsSupersetOf({"Machine: A fast one, 1 thread", "Machine: A slow one, 1 thread"}));
 }
 
+TEST_F(TableTest, ADeviceIsNamedWithItsDriver) {
+  result("sibenik-ogre", "insertion").provenance["device"] = "A card";
+  result("sibenik-ogre", "insertion").provenance["driver"] = "a driver 1.0";
+  EXPECT_THAT(build().remarks, testing::Contains("Device: A card, a driver 1.0"));
+}
+
 TEST_F(TableTest, TimesOfTwoRunsSayThatTheyWereNotInterleaved) {
   result("sibenik-ogre", "insertion").provenance["timing_group"] = "2";
   EXPECT_EQ(cell(build(), 0, 3).reason,

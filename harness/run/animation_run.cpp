@@ -250,7 +250,7 @@ void AnimationRun::send_traces(Played& played) {
     result.series["frame_trace_time"] = by_frame("s", tracing);
     result.series["frame_trace_rate"] = by_frame("rays/s", std::move(rates));
     result.series["frame_total_time"] = by_frame("s", medians(totals));
-    worker_.sender_.send(CellMeasured{trace.cell, result});
+    worker_.send(trace.cell, result);
   }
 }
 
@@ -277,7 +277,7 @@ void AnimationRun::time_preparations() {
     };
     work.finished = [this, cell, &played = *played](const std::vector<TimedSample>& samples) {
       worker_.add_stage_times(*played.work, samples);
-      worker_.sender_.send(CellMeasured{cell, played.work->build_result});
+      worker_.send(cell, played.work->build_result);
     };
     work.failed = [this, cell](const std::exception_ptr& error) {
       worker_.fail(Scope::cell, cell, worker_.current_stage_, error);

@@ -114,6 +114,20 @@ std::vector<Finding> examine_tools(std::string_view path) {
   return all;
 }
 
+std::vector<Finding> examine_devices(const std::vector<vulkan::DeviceInfo>& devices) {
+  if (devices.empty()) {
+    return {{"devices", Health::missing, "Vulkan", "no device",
+             "install the driver of the GPU, or mesa-vulkan-drivers for a device on the processor"}};
+  }
+  std::vector<Finding> all;
+  for (const vulkan::DeviceInfo& d : devices) {
+    all.push_back({"devices", d.unfit.empty() ? Health::ok : Health::missing, d.name,
+                   fmt::format("{}, {}, {} of memory", d.type, d.driver, bytes_text(static_cast<double>(d.memory))),
+                   d.unfit.empty() ? "" : "it lacks " + d.unfit});
+  }
+  return all;
+}
+
 std::vector<Finding> examine_scenes() {
   std::vector<Finding> all;
   for (const std::filesystem::path& folder : scene_folders()) {

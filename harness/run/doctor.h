@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "harness/run/machine.h"
+#include "harness/vulkan/device.h"
 
 namespace raystudy {
 
@@ -14,7 +15,7 @@ enum class Health : unsigned char { ok, warn, missing };
 
 /// One thing that `raystudy doctor` looked at.
 struct Finding {
-  std::string group;  ///< machine, tools, scenes, versions
+  std::string group;  ///< machine, tools, devices, scenes, versions
   Health health = Health::ok;
   std::string subject;
   std::string found;
@@ -25,6 +26,8 @@ struct Finding {
 [[nodiscard]] std::vector<Finding> examine(const Machine& machine, const std::vector<BusyProcess>& busy);
 /// Programs that figures and scenes need, looked for on `path` (as PATH is written).
 [[nodiscard]] std::vector<Finding> examine_tools(std::string_view path);
+/// The Vulkan devices that are there.
+[[nodiscard]] std::vector<Finding> examine_devices(const std::vector<vulkan::DeviceInfo>& devices);
 /// The scene folders, and which scenes of the catalog are at hand.
 [[nodiscard]] std::vector<Finding> examine_scenes();
 /// This Raystudy and the libraries it was built with.

@@ -91,6 +91,22 @@ TEST(Doctor, LooksForToolsOnThePath) {
   fs::remove_all(folder);
 }
 
+TEST(Doctor, SaysWhichDevicesWillDo) {
+  const std::vector<Finding> none = examine_devices({});
+  ASSERT_EQ(none.size(), 1U);
+  EXPECT_EQ(none.front().health, Health::missing);
+  EXPECT_NE(none.front().advice.find("mesa-vulkan-drivers"), std::string::npos);
+  vulkan::DeviceInfo good{.name = "card", .driver = "driver 1", .type = "discrete", .memory = 1U << 30U};
+  vulkan::DeviceInfo bad = good;
+  bad.unfit = "bufferDeviceAddress";
+  const std::vector<Finding> all = examine_devices({good, bad});
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].health, Health::ok);
+  EXPECT_EQ(all[0].found, "discrete, driver 1, 1 GiB of memory");
+  EXPECT_EQ(all[1].health, Health::missing);
+  EXPECT_EQ(all[1].advice, "it lacks bufferDeviceAddress");
+}
+
 TEST(Doctor, ReadsAMachineFromProcAndSys) {
   const fs::path root = fs::path(testing::TempDir()) / fmt::format("machine-{}", getpid());
   const auto file = [&root](const std::string& path, const std::string& text) {

@@ -15,7 +15,7 @@ namespace raystudy {
 struct SceneOpened {
   std::string hash;
 };
-/// A measured cell: values and series; names and provenance are the parent's to fill in.
+/// A measured cell: values and series; names and provenance are the parent's to fill in, but for the device.
 struct CellMeasured {
   std::size_t cell = 0;  ///< into Plan::cells
   CellResult result;

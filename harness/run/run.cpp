@@ -108,7 +108,7 @@ void Run::record(std::size_t c, CellResult result, Pending& pending) {
   result.method = plan_.pipelines[cell.pipeline].label;
   if (cell.tracer) result.tracer = plan_.tracers[*cell.tracer].label;
   if (cell.workload) result.workload = plan_.workloads[*cell.workload].label;
-  result.provenance = provenance_;
+  result.provenance.insert(provenance_.begin(), provenance_.end());
   result.provenance["threads"] = fmt::format("{}", plan_.pipelines[cell.pipeline].threads);
   result.provenance["scene_hash"] = scene_hash_;
   result.provenance["date"] = utc_now();

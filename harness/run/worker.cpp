@@ -23,6 +23,8 @@
 #include "harness/run/thread_limit.h"
 #include "harness/run/worker_steps.h"
 #include "harness/scene/open.h"
+#include "harness/spec/cell_id.h"
+#include "harness/vulkan/device.h"
 
 namespace raystudy {
 namespace {
@@ -167,6 +169,16 @@ void Worker::make_rays(const Scene& scene, const std::set<std::size_t>& wanted) 
   }
 }
 
+/// The parent knows all of the result's provenance but the device: it must not open one, for its children would inherit it.
+void Worker::send(std::size_t cell, CellResult& result) const {
+  const vulkan::DeviceInfo* device = vulkan::Device::shared_info();
+  if (device != nullptr && uses_device(plan_, plan_.cells[cell])) {
+    result.provenance["device"] = device->name;
+    result.provenance["driver"] = device->driver;
+  }
+  sender_.send(CellMeasured{cell, result});
+}
+
 std::vector<std::unique_ptr<PipelineWork>> Worker::pipelines() const {
   std::map<std::size_t, std::unique_ptr<PipelineWork>> works;
   for (const std::size_t c : cells_) {
@@ -262,6 +274,7 @@ void Worker::check_trace(PipelineWork& work, std::size_t cell) {
 }
 
 void Worker::run() {
+  vulkan::choose_device(plan_.device);
   const std::size_t scene = plan_.cells[cells_.front()].scene;
   if (!guarded(Spent::set_up, Scope::scene, scene, "opening the scene", [this] { open_the_scene(); })) return;
   sender_.send(SceneOpened{scene_->hash});

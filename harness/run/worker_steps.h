@@ -83,6 +83,7 @@ class Worker {
   void announce(Scope scope, std::size_t index, std::string_view stage);
   void fail(Scope scope, std::size_t index, std::string_view stage, const std::exception_ptr& error);
 
+  void send(std::size_t cell, CellResult& result) const;
   void open_the_scene();
   [[nodiscard]] std::set<std::size_t> workloads() const;
   void make_rays(const Scene& scene, const std::set<std::size_t>& wanted);

@@ -48,7 +48,7 @@ TimedWork Worker::timed_build(PipelineWork& work) {
   };
   timed_work.finished = [this, cell, &work](const std::vector<TimedSample>& samples) {
     add_stage_times(work, samples);
-    sender_.send(CellMeasured{cell, work.build_result});
+    send(cell, work.build_result);
   };
   return timed_work;
 }
@@ -130,7 +130,7 @@ TimedWork Worker::timed_trace(const PipelineWork& work, TraceWork& trace) {
     trace.result.values["trace_time"] = timed("s", samples, [](const TimedSample& s) { return s.seconds; });
     trace.result.values["trace_rate"] = timed("rays/s", samples, [count](const TimedSample& s) { return count / s.seconds; });
     add_common_times(trace.result, samples);
-    sender_.send(CellMeasured{trace.cell, trace.result});
+    send(trace.cell, trace.result);
   };
   return timed_work;
 }

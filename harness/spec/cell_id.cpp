@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -26,6 +27,15 @@ void collect_origins(Role role, const MethodRef& ref, std::set<std::string>& ori
   for (const ParamSpec& spec : entry->info.params) {
     if (spec.type == ParamType::method) collect_origins(spec.role, ref.params->method(spec.name), origins);
   }
+}
+
+bool on_device(Role role, const MethodRef& ref) {
+  const Registry::Entry* entry = Registry::instance().find(role, ref.name);
+  if (entry == nullptr) return false;
+  if (entry->info.on_device || !ref.params) return entry->info.on_device;
+  return std::any_of(entry->info.params.begin(), entry->info.params.end(), [&ref](const ParamSpec& spec) {
+    return spec.type == ParamType::method && on_device(spec.role, ref.params->method(spec.name));
+  });
 }
 
 /// A plugin is read once: it stays loaded, so its file is not looked at again.
@@ -57,6 +67,16 @@ class Identity {
 
 }  // namespace
 
+bool uses_device(const Plan& plan, const Cell& cell) {
+  const PipelineSpec& pipeline = plan.pipelines.at(cell.pipeline);
+  const auto optimizes = [](const MethodRef& ref) { return on_device(Role::optimizer, ref); };
+  return on_device(Role::builder, pipeline.builder) ||
+         std::any_of(pipeline.optimizers.begin(), pipeline.optimizers.end(), optimizes) ||
+         (pipeline.encoder && on_device(Role::encoder, *pipeline.encoder)) ||
+         (pipeline.updater && on_device(Role::updater, *pipeline.updater)) ||
+         (cell.tracer && on_device(Role::tracer, plan.tracers.at(*cell.tracer).tracer));
+}
+
 std::string cell_identity(const Plan& plan, const Cell& cell) {
   const SceneSpec& scene = plan.scenes.at(cell.scene);
   const PipelineSpec& pipeline = plan.pipelines.at(cell.pipeline);
@@ -86,6 +106,7 @@ std::string cell_identity(const Plan& plan, const Cell& cell) {
   // The rays are found with the experiment's threads, which changes none of them.
   identity.add("repetitions", fmt::format("{}", plan.repetitions));
   identity.add("warm_up", fmt::format("{} s", plan.warm_up_seconds));
+  if (!plan.device.empty() && uses_device(plan, cell)) identity.add("device", plan.device);
   identity.add("code", std::string(code_hash()));
   return identity.finish();
 }

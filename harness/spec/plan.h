@@ -137,6 +137,7 @@ struct Plan {
   int threads = 1;  ///< of the workloads, and of every pipeline that names none
   int repetitions = 3;
   double warm_up_seconds = 0;
+  std::string device;             ///< the Vulkan device asked for, by name or number; empty: the best
   double timeout_seconds = 0;     ///< a cell; 0: none
   double memory_limit_bytes = 0;  ///< a cell; 0: none
   CostSpec cost;

@@ -17,7 +17,7 @@ namespace raystudy::vulkan {
 namespace {
 
 std::string& chosen() {
-  static std::string choice;
+  static std::string choice = device_of_environment();
   return choice;
 }
 
@@ -165,6 +165,13 @@ std::uint32_t DeviceImpl::memory_type(std::uint32_t allowed, vk::MemoryPropertyF
   }
   throw Error(fmt::format("{} has no memory of the kind {}", info.name, vk::to_string(wanted)));
 }
+
+std::string device_of_environment() {
+  const char* choice = std::getenv("RAYSTUDY_DEVICE");
+  return choice != nullptr ? choice : "";
+}
+
+void check_device(std::string_view choice) { static_cast<void>(find_device(list_devices(), choice)); }
 
 void choose_device(std::string choice) { chosen() = std::move(choice); }
 

@@ -23,8 +23,13 @@ struct DeviceInfo {
 [[nodiscard]] std::vector<DeviceInfo> list_devices();
 
 /// Says which device Device::shared() will be: its name, its number in list_devices(), or empty for the best (discrete before
-/// integrated before virtual before cpu). For the whole process; before the first use of a device.
+/// integrated before virtual before cpu). For the whole process; before the first use of a device. Without it, what
+/// RAYSTUDY_DEVICE says.
 void choose_device(std::string choice);
+/// RAYSTUDY_DEVICE; empty where it is not set.
+[[nodiscard]] std::string device_of_environment();
+/// Throws what Device(choice) would.
+void check_device(std::string_view choice);
 
 class Kernel;
 struct DeviceImpl;

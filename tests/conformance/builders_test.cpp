@@ -25,6 +25,7 @@ std::string problems(const Accel& accel, const Scene& scene) {
 class Builders : public testing::TestWithParam<Variant> {};
 
 TEST_P(Builders, MakeWhatTheySay) {
+  if (const std::string why = why_not_here(GetParam()); !why.empty()) GTEST_SKIP() << why;
   for (const ConformanceScene& item : conformance_scenes()) {
     SCOPED_TRACE(item.name);
     const auto accel = build(GetParam().ref, item.scene, 1);

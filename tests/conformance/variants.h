@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "harness/method/registry.h"
+#include "harness/vulkan/device.h"
 
 namespace raystudy::test {
 
@@ -14,9 +15,11 @@ struct Variant {
   std::string label;  ///< letters, digits and underscores, as test names may have them
   MethodRef ref;
   std::string accel;
+  bool on_device = false;
 };
 
-/// All of a role that need no file, in the order of names; with `defaults_only` one for each method.
+/// All of a role that need no file, in the order of names; with `defaults_only` one for each method
+/// that works on the processor.
 inline std::vector<Variant> variants(Role role, bool defaults_only = false) {
   const Registry& registry = Registry::instance();
   std::vector<Variant> all;
@@ -24,11 +27,12 @@ inline std::vector<Variant> variants(Role role, bool defaults_only = false) {
     std::string label = entry.info.name + suffix;
     std::replace_if(
         label.begin(), label.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
-    all.push_back({label, registry.ref(role, entry.info.name, std::move(changes)), entry.info.accel});
+    all.push_back({label, registry.ref(role, entry.info.name, std::move(changes)), entry.info.accel, entry.info.on_device});
   };
   using Changes = std::map<std::string, ParamValue, std::less<>>;
   for (const Registry::Entry* entry : registry.entries()) {
     if (entry->role != role || entry->info.needs_file()) continue;
+    if (defaults_only && entry->info.on_device) continue;
     add(*entry, "", Changes{});
     if (defaults_only) continue;
     for (const ParamSpec& param : entry->info.params) {
@@ -42,6 +46,11 @@ inline std::vector<Variant> variants(Role role, bool defaults_only = false) {
     }
   }
   return all;
+}
+
+/// Why a method cannot be tested on this machine; empty where it can.
+inline std::string why_not_here(const Variant& variant) {
+  return variant.on_device && vulkan::list_devices().empty() ? "there is no Vulkan device on this machine" : "";
 }
 
 inline std::string variant_name(const testing::TestParamInfo<Variant>& info) { return info.param.label; }

@@ -72,6 +72,20 @@ class RunVerb : public testing::Test {
   fs::path yaml;
 };
 
+TEST_F(RunVerb, ADeviceThatIsNotThereIsBadInput) {
+  Command command(folder, run_words(folder / "results", {"--device", "no-such-device"}));
+  EXPECT_EQ(command.wait(), 2);
+  EXPECT_THAT(command.err(),
+              testing::ContainsRegex("there is no (device 'no-such-device'; expected a number below|Vulkan device)"));
+  EXPECT_TRUE(results_in(folder / "results").empty());
+}
+
+TEST_F(RunVerb, WithoutADriverThereAreNoDevices) {
+  Command command(folder, {"list", "devices"}, {{"VK_ICD_FILENAMES", "/none"}, {"VK_DRIVER_FILES", "/none"}});
+  EXPECT_EQ(command.wait(), 0);
+  EXPECT_EQ(command.out(), "there is no Vulkan device on this machine\n");
+}
+
 TEST_F(RunVerb, MeasuresPrintsTheTableAndReusesWhatIsThere) {
   Command first(folder, run_words(folder / "r"));
   EXPECT_EQ(first.wait(), 0) << first.err();
