@@ -25,7 +25,9 @@ class Lbvh final : public Builder {
                    choice_param("construction", {"karras", "apetrei"},
                                 "top-down searches, then boxes; or both in one pass from the leaves up. The tree is the same"),
                    integer_param("max_leaf_triangles", 1, "a range of at most so many triangles is a leaf", 1, 64)},
-        .accel = std::string(Bvh2::kind_name)};
+        .accel = std::string(Bvh2::kind_name),
+        .on_device = true,
+        .parts = {"bounds", "morton", "sort", "leaves", "hierarchy", "boxes"}};
   }
 
   [[nodiscard]] std::unique_ptr<Accel> build(const Scene& scene, const BuildContext& context) const override {

@@ -35,7 +35,9 @@ class GpuSah final : public Builder {
             "Lauterbach: Interactive Ray Tracing of Massive and Deformable Models, 2010, Sec. 5.2; Lauterbach et al.: Fast BVH "
             "Construction on GPUs, 2009, Sec. 4",
         .params = sah_params(),
-        .accel = std::string(Bvh2::kind_name)};
+        .accel = std::string(Bvh2::kind_name),
+        .on_device = true,
+        .parts = {"SAH split", "Reorder", "Compaction", "Rest"}};
   }
 
   [[nodiscard]] std::unique_ptr<Accel> build(const Scene& scene, const BuildContext& context) const override {
