@@ -37,11 +37,12 @@ std::unique_ptr<Buffer::Impl> make_buffer(DeviceImpl& device, std::size_t bytes,
     impl->memory.emplace(*device.device, allocate);
     impl->buffer->bindMemory(**impl->memory, 0);
     impl->bytes = bytes;
+    impl->device = &device;
     if (staging) {
       impl->mapped = static_cast<std::byte*>(impl->memory->mapMemory(0, VK_WHOLE_SIZE));
     } else {
       impl->address = device.device->getBufferAddress(vk::BufferDeviceAddressInfo(**impl->buffer));
-      impl->counted = &device;
+      impl->counted = true;
       device.bytes += bytes;
       device.peak_bytes = std::max(device.peak_bytes, device.bytes);
     }
@@ -69,7 +70,8 @@ Buffer::Buffer(Device& device, std::size_t bytes, Kind kind)
     : impl_(make_buffer(device.impl(), std::max<std::size_t>(bytes, 16), kind)) {}
 
 Buffer::~Buffer() {
-  if (impl_->counted != nullptr) impl_->counted->bytes -= impl_->bytes;
+  if (impl_->counted) impl_->device->bytes -= impl_->bytes;
+  if (impl_->device->lost) static_cast<void>(impl_.release());
 }
 
 std::uint64_t Buffer::address() const { return impl_->address; }

@@ -11,7 +11,8 @@ struct Buffer::Impl {
   std::size_t bytes = 0;
   std::uint64_t address = 0;
   std::byte* mapped = nullptr;
-  DeviceImpl* counted = nullptr;  ///< the device in whose bytes this one's are
+  DeviceImpl* device = nullptr;
+  bool counted = false;  ///< in the device's bytes
 };
 
 }  // namespace raystudy::vulkan

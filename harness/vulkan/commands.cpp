@@ -38,7 +38,9 @@ struct Commands::Impl {
 Commands::Commands(Device& device)
     : impl_(checked("recording commands", [&] { return std::make_unique<Impl>(device.impl()); })) {}
 
-Commands::~Commands() = default;
+Commands::~Commands() {
+  if (impl_ && impl_->device.lost) static_cast<void>(impl_.release());
+}
 
 void Commands::run_bytes(const Kernel& kernel, std::span<const std::byte> push, std::uint64_t groups) {
   if (groups == 0) return;

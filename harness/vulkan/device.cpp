@@ -137,12 +137,13 @@ DeviceImpl::DeviceImpl(std::string_view choice) : physical(choose(instance, choi
 
 void DeviceImpl::submit_and_wait(vk::CommandBuffer commands) {
   if (lost) throw Error(fmt::format("{} was lost before", info.name));
+  const std::uint64_t most = time_out();
   try {
-    const vk::raii::Fence fence(*device, vk::FenceCreateInfo());
+    vk::raii::Fence fence(*device, vk::FenceCreateInfo());
     queue->submit(vk::SubmitInfo({}, {}, commands), *fence);
-    const std::uint64_t most = time_out();
     if (device->waitForFences(*fence, VK_TRUE, most) == vk::Result::eTimeout) {
       lost = true;
+      static_cast<void>(fence.release());
       throw Error(
           fmt::format("{} did not finish within {} s (RAYSTUDY_DEVICE_TIMEOUT)", info.name, static_cast<double>(most) / 1e9));
     }
@@ -178,7 +179,7 @@ void choose_device(std::string choice) { chosen() = std::move(choice); }
 Device::Device(std::string_view choice)
     : impl_(checked("opening the Vulkan device", [&] { return std::make_unique<DeviceImpl>(choice); })) {}
 
-// A lost device may still be at work: waiting for it could take for ever.
+// A lost device may still be at work: waiting for it could take for ever, and what it works with (buffers, commands) stays.
 Device::~Device() {
   if (impl_ && impl_->lost) static_cast<void>(impl_.release());
 }

@@ -133,6 +133,31 @@ TEST_F(DeviceTest, AddsUpThePartsThatAreMarkedAgain) {
   EXPECT_THAT(names, ElementsAre("one", "two"));
 }
 
+TEST_F(DeviceTest, ADeviceThatDoesNotFinishInTimeIsLost) {
+  // Its memory must outlive it, so the device is not the one of the other tests.
+  Device own("0");
+  const Buffer buffer(own, 64U << 20U);
+  Commands commands(own);
+  for (int i = 0; i < 20; ++i) {
+    commands.run(own.kernel("iota", {64}), IotaPush{buffer.address(), 16U << 20U, 0}, 1U << 18U);
+    commands.barrier();
+  }
+  setenv("RAYSTUDY_DEVICE_TIMEOUT", "0.000001", 1);
+  EXPECT_THAT([&] { commands.finish(); },
+              ThrowsMessage<Error>(own.info().name + " did not finish within 1e-06 s (RAYSTUDY_DEVICE_TIMEOUT)"));
+  unsetenv("RAYSTUDY_DEVICE_TIMEOUT");
+  Commands more(own);
+  EXPECT_THAT([&] { more.finish(); }, ThrowsMessage<Error>(own.info().name + " was lost before"));
+}
+
+TEST_F(DeviceTest, ATimeOutThatIsNoneIsBadInput) {
+  setenv("RAYSTUDY_DEVICE_TIMEOUT", "soon", 1);
+  Commands commands(device());
+  EXPECT_THAT([&] { commands.finish(); },
+              ThrowsMessage<Error>("RAYSTUDY_DEVICE_TIMEOUT is 'soon'; expected seconds, above 0 and at most 1000000"));
+  unsetenv("RAYSTUDY_DEVICE_TIMEOUT");
+}
+
 TEST_F(DeviceTest, WhatTheValidationLayerSaysIsAnError) {
   if (std::getenv("RAYSTUDY_VULKAN_VALIDATION") == nullptr) GTEST_SKIP() << "RAYSTUDY_VULKAN_VALIDATION is not set";
   const Buffer buffer(device(), 64);

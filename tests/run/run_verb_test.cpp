@@ -80,6 +80,17 @@ TEST_F(RunVerb, ADeviceThatIsNotThereIsBadInput) {
   EXPECT_TRUE(results_in(folder / "results").empty());
 }
 
+TEST_F(RunVerb, WithoutADriverCellsOnADeviceFailAndTheOthersGoOn) {
+  std::string text = experiment;
+  const std::string builder = "binned-sah";
+  text.replace(text.find(builder), builder.size(), "gpu-lbvh");
+  std::ofstream(yaml) << text;
+  Command command(folder, run_words(folder / "results"), {{"VK_ICD_FILENAMES", "/none"}, {"VK_DRIVER_FILES", "/none"}});
+  EXPECT_EQ(command.wait(), 1);
+  EXPECT_THAT(command.err(), HasSubstr("binned: error while building: there is no Vulkan driver on this machine"));
+  EXPECT_THAT(command.err(), HasSubstr("cells: 4 measured, 0 reused, 4 failed, 0 missing"));
+}
+
 TEST_F(RunVerb, WithoutADriverThereAreNoDevices) {
   Command command(folder, {"list", "devices"}, {{"VK_ICD_FILENAMES", "/none"}, {"VK_DRIVER_FILES", "/none"}});
   EXPECT_EQ(command.wait(), 0);
