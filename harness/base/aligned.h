@@ -28,7 +28,16 @@ class AlignedAllocator {
   explicit AlignedAllocator(Pages pages) : pages_(pages) {}
   template <class U>
   AlignedAllocator(const AlignedAllocator<U>& other) noexcept  // NOLINT(google-explicit-constructor): allocators must convert
-      : pages_(other.pages()) {}
+      : pages_(other.pages()), initializes_(other.initializes()) {}
+
+  /// For one vector of elements that are about to be written: those it is made with, AlignedVector<T>(n, uninitialized()), are
+  /// not, so that threads can share the first use of the memory.
+  [[nodiscard]] static AlignedAllocator uninitialized() {
+    static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+    AlignedAllocator allocator;
+    allocator.initializes_ = false;
+    return allocator;
+  }
 
   T* allocate(std::size_t n) {
     void* p = ::operator new(n * sizeof(T), alignment_of(n));
@@ -36,7 +45,13 @@ class AlignedAllocator {
     return static_cast<T*>(p);
   }
   void deallocate(T* p, std::size_t n) noexcept { ::operator delete(p, alignment_of(n)); }
+  /// What a vector makes elements without a value by.
+  template <class U>
+  void construct(U* p) {
+    if (initializes_) ::new (static_cast<void*>(p)) U();
+  }
   [[nodiscard]] Pages pages() const { return pages_; }
+  [[nodiscard]] bool initializes() const { return initializes_; }
   friend bool operator==(const AlignedAllocator&, const AlignedAllocator&) { return true; }
 
  private:
@@ -58,6 +73,7 @@ class AlignedAllocator {
   }
 
   Pages pages_ = Pages::huge;
+  bool initializes_ = true;
 };
 
 template <class T>

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cinttypes>
 #include <cstdio>
 #include <fstream>
@@ -36,6 +37,23 @@ TEST(AlignedAllocator, AdvisesThePagesThatAreAskedFor) {
   EXPECT_EQ(flags_at(normal.data() + n / 2).find(" hg "), std::string::npos);
   const AlignedVector<char> copy = normal;
   EXPECT_NE(flags_at(copy.data() + n / 2).find(" nh "), std::string::npos);
+}
+
+TEST(AlignedAllocator, LeavesElementsAloneWhereAsked) {
+  int x = 7;
+  AlignedAllocator<int>::uninitialized().construct(&x);
+  EXPECT_EQ(x, 7);
+  AlignedAllocator<int>().construct(&x);
+  EXPECT_EQ(x, 0);
+  // Only the vector made so: one that takes it over initializes what it adds.
+  AlignedVector<int> vector;
+  vector = AlignedVector<int>(2, AlignedAllocator<int>::uninitialized());
+  const int* const data = vector.data();
+  std::fill(vector.begin(), vector.end(), 5);
+  vector.resize(1);
+  vector.resize(2);
+  EXPECT_EQ(vector.data(), data);
+  EXPECT_EQ(vector[1], 0);
 }
 
 TEST(AlignedAllocator, BlocksBeginOnCacheLinesAndLargeOnesOnHugePages) {

@@ -50,6 +50,12 @@ class MortonGrid {
   /// The code of the cell that holds `p`, of 3 · bits bits; points outside the box count to the nearest cell along each axis.
   [[nodiscard]] std::uint64_t code(Vec3 p) const { return morton_code(cell(p, 0), cell(p, 1), cell(p, 2)); }
 
+  /// The cell of `p` along `axis`.
+  [[nodiscard]] std::uint32_t cell(Vec3 p, int axis) const {
+    const float place = (0.5F * p[axis] - half_lower_[axis]) * scale_[axis];
+    return static_cast<std::uint32_t>(place > 0 ? min(most_, place) : 0);
+  }
+
  private:
   /// 2^bits / h, rounded toward zero.
   static float cells_per_length(float h, int bits) {
@@ -60,11 +66,6 @@ class MortonGrid {
     const auto quotient =
         static_cast<std::uint32_t>((std::uint64_t{1} << 47U) / mantissa);  // from 2^23 to 2^24: exact as a float
     return std::ldexp(static_cast<float>(quotient), bits - (exponent - 150) - 47);
-  }
-
-  [[nodiscard]] std::uint32_t cell(Vec3 p, int axis) const {
-    const float place = (0.5F * p[axis] - half_lower_[axis]) * scale_[axis];
-    return static_cast<std::uint32_t>(place > 0 ? min(most_, place) : 0);
   }
 
   float most_;
