@@ -35,7 +35,9 @@ class Hlbvh final : public Builder {
                    integer_param("sah_bits", 15, "with split: sah, the leading bits of its code that a treelet shares", 1, 63),
                    integer_param("bins", 16, "with split: sah, bins an axis", 2, 128),
                    integer_param("max_leaf_triangles", 8, "a range of at most so many triangles is a leaf", 1, 64)},
-        .accel = std::string(Bvh2::kind_name)};
+        .accel = std::string(Bvh2::kind_name),
+        .on_device = true,
+        .parts = {"bounds", "morton", "sort", "leaves", "treelets", "hierarchy", "boxes", "sah", "layout"}};
   }
 
   [[nodiscard]] std::unique_ptr<Accel> build(const Scene& scene, const BuildContext& context) const override {
