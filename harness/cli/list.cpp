@@ -37,7 +37,7 @@ void list_scenes() {
   for (const ProceduralInfo& info : procedural_scenes()) print_line(info.name, info.summary);
   fmt::print("catalog\n");
   for (const CatalogEntry& entry : read_catalog(catalog_path()).entries) {
-    const std::string state = installed_file(entry) != nullptr ? "at hand" : "not installed";
+    const std::string state = is_installed(entry) ? "at hand" : "not installed";
     const std::string size = entry.triangles > 0 ? fmt::format("{} triangles", entry.triangles) : "size not stated";
     print_line(entry.name, fmt::format("{}; {}, {}", entry.title, size, state));
   }

@@ -25,13 +25,6 @@ bool can_get(const CatalogEntry& entry) {
   return false;
 }
 
-bool is_installed(const CatalogEntry& entry) {
-  for (const CatalogFile& frame : entry.frames) {
-    if (!find_file(frame)) return false;
-  }
-  return installed_file(entry) != nullptr;
-}
-
 std::string state_of(const CatalogEntry& entry) {
   if (is_installed(entry)) return "installed";
   return can_get(entry) ? fmt::format("raystudy scene get {}", entry.name)

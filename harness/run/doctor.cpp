@@ -137,9 +137,9 @@ std::vector<Finding> examine_scenes() {
   }
   try {
     for (const CatalogEntry& entry : read_catalog(catalog_path()).entries) {
-      const CatalogFile* file = installed_file(entry);
-      all.push_back({"scenes", file != nullptr ? Health::ok : Health::missing, entry.name,
-                     file != nullptr ? file->path : entry.title, file != nullptr ? "" : not_installed_text(entry)});
+      const bool there = is_installed(entry);
+      all.push_back({"scenes", there ? Health::ok : Health::missing, entry.name,
+                     there ? installed_file(entry)->path : entry.title, there ? "" : not_installed_text(entry)});
     }
   } catch (const Error& error) {
     all.push_back({"scenes", Health::missing, "catalog", error.what(), "mend the catalog"});

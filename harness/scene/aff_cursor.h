@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -33,7 +34,10 @@ class AffCursor {
   double number(std::string_view of) {
     double value = 0;
     const std::string_view w = word(of);
-    if (!TextCursor::parse(w, value)) fail(fmt::format("'{}' stands where {} should", shown(w), of), "a number");
+    const bool good = TextCursor::parse(w, value);
+    if (!good || !std::isfinite(value)) {
+      fail(fmt::format("'{}' stands where {} should", shown(w), of), good ? "a finite number" : "a number");
+    }
     return value;
   }
   std::size_t count(std::string_view of) {

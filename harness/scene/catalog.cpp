@@ -63,4 +63,9 @@ const CatalogFile* installed_file(const CatalogEntry& entry) {
   return nullptr;
 }
 
+bool is_installed(const CatalogEntry& entry) {
+  return installed_file(entry) != nullptr &&
+         std::all_of(entry.frames.begin(), entry.frames.end(), [](const CatalogFile& f) { return find_file(f).has_value(); });
+}
+
 }  // namespace raystudy

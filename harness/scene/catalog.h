@@ -59,7 +59,9 @@ struct Catalog {
 [[nodiscard]] std::optional<std::filesystem::path> find_file(const CatalogFile& file);
 /// The first of the entry's files that is at hand.
 [[nodiscard]] const CatalogFile* installed_file(const CatalogEntry& entry);
-/// 'scene not installed: raystudy scene get NAME', or how to add it by hand.
+/// Whether the model and all files of frames are at hand.
+[[nodiscard]] bool is_installed(const CatalogEntry& entry);
+/// 'scene not installed: raystudy scene get NAME', or how to add by hand what is missing, a file of frames by its number from 1.
 [[nodiscard]] std::string not_installed_text(const CatalogEntry& entry);
 
 }  // namespace raystudy

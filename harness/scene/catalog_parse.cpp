@@ -181,7 +181,10 @@ CatalogEntry parse_entry(Parser& p, const YamlEntry& named) {
          {"files",
           [&](const YamlNode& n) { p.list(n, "files", [&](const YamlNode& i) { entry.files.push_back(parse_file(p, i)); }); }},
          {"frames",
-          [&](const YamlNode& n) { p.list(n, "frames", [&](const YamlNode& i) { entry.frames.push_back(parse_file(p, i)); }); }},
+          [&](const YamlNode& n) {
+            p.list(n, "frames", [&](const YamlNode& i) { entry.frames.push_back(parse_file(p, i)); });
+            if (n.is_list() && n.items.empty()) p.complain(n.where, "'frames' has no file", "one at least, or no 'frames'");
+          }},
          {"material", [&](const YamlNode& n) { entry.material = parse_material(p, n); }},
          {"lights",
           [&](const YamlNode& n) { p.list(n, "lights", [&](const YamlNode& i) { entry.lights.push_back(parse_light(p, i)); }); }},

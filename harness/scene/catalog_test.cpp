@@ -104,6 +104,7 @@ TEST_F(CatalogFileTest, OtherMistakes) {
   EXPECT_EQ(
       error("scenes:\n  box:\n    title: Box\n    source: here\n    licence: MIT\n    files: []\n"),
       "2:3: scene 'box' has no 'triangles'; expected a count, or 'by-hand'\n2:3: scene 'box' has no file; expected at least one");
+  EXPECT_EQ(error(entry("    frames: []\n")), "10:13: 'frames' has no file; expected one at least, or no 'frames'");
   const std::string camera = "      - {name: a, eye: [0, 0, 1], target: [0, 0, 0]}\n";
   EXPECT_EQ(error(entry("    cameras:\n" + camera + camera)), "2:3: scene 'box' has two cameras 'a'");
 }
@@ -180,6 +181,23 @@ TEST_F(OpenScene, NamesNobodyKnowsAndScenesNobodyHas) {
   EXPECT_EQ(missing("far"), "scene not installed: raystudy scene get far");
   EXPECT_EQ(missing("other"), "scene not installed: other; ask the author for other/other.ply");
   EXPECT_EQ(missing("bare"), "scene not installed: bare; put the file at bare.ply below a folder of RAYSTUDY_SCENES");
+}
+
+TEST_F(OpenScene, FramesNobodyHas) {
+  const auto missing = [this](const std::string& more) {
+    write_catalog(good, 2,
+                  "    frames:\n      - {path: square/square.ply, sha256: " + good +
+                      "}\n      - {path: square/lost.ply, sha256: " + sha + more);
+    const std::string why = why_not_installed(read_catalog(catalog_path()), "my-square").value_or("installed");
+    EXPECT_EQ(test::error_of([] { (void)open_scene("my-square"); }), why);
+    return why;
+  };
+  EXPECT_EQ(missing("}\n"),
+            "scene not installed: my-square lacks file 2 of 2 with frames, square/lost.ply; put the file at square/lost.ply "
+            "below a folder of RAYSTUDY_SCENES");
+  EXPECT_EQ(missing("}\n    by-hand: ask the author\n"),
+            "scene not installed: my-square lacks file 2 of 2 with frames, square/lost.ply; ask the author");
+  EXPECT_EQ(missing(", get: 'https://far.example/lost.ply'}\n"), "scene not installed: raystudy scene get my-square");
 }
 
 TEST_F(OpenScene, APathIsReadAsItIs) {

@@ -74,24 +74,36 @@ GltfAnimation::Channel GltfAnimation::read_channel(const GltfModel& model, const
     }
     made.values = model.numbers(sampler.output, made.path == Path::rotation ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3);
   }
-  if (made.times.empty()) model.fail(fmt::format("channel {} of the animation has no keys", index), "one at least");
-  for (std::size_t k = 0; k < made.times.size(); ++k) {
-    const bool increases = std::isfinite(made.times[k]) && (k == 0 || made.times[k] > made.times[k - 1]);
+  check_keys(model, made, index, sampler.interpolation);
+  return made;
+}
+
+void GltfAnimation::check_keys(const GltfModel& model, const Channel& channel, std::size_t index,
+                               std::string_view interpolation) {
+  if (channel.times.empty()) model.fail(fmt::format("channel {} of the animation has no keys", index), "one at least");
+  for (std::size_t k = 0; k < channel.times.size(); ++k) {
+    const bool increases = std::isfinite(channel.times[k]) && (k == 0 || channel.times[k] > channel.times[k - 1]);
     if (!increases) {
-      model.fail(fmt::format("key {} of channel {} of the animation is at {} s", k, index, made.times[k]), "increasing times");
+      model.fail(fmt::format("key {} of channel {} of the animation is at {} s", k, index, channel.times[k]), "increasing times");
     }
   }
-  const std::size_t wanted = made.times.size() * made.width * (made.interpolation == Interpolation::cubic_spline ? 3 : 1);
-  if (made.values.size() != wanted) {
-    model.fail(fmt::format("channel {} of the animation has {} numbers", index, made.values.size()),
-               fmt::format("{}: {} keys of {} by {}", wanted, made.times.size(), made.width, sampler.interpolation));
+  const std::size_t wanted =
+      channel.times.size() * channel.width * (channel.interpolation == Interpolation::cubic_spline ? 3 : 1);
+  if (channel.values.size() != wanted) {
+    model.fail(fmt::format("channel {} of the animation has {} numbers", index, channel.values.size()),
+               fmt::format("{}: {} keys of {} by {}", wanted, channel.times.size(), channel.width, interpolation));
   }
-  for (std::size_t k = 0; k < made.times.size() && made.path == Path::rotation; ++k) {
-    if (const double norm = squared_norm(key_value(made, k, 1)); !(norm > 0 && std::isfinite(norm))) {
+  for (std::size_t i = 0; i < wanted; ++i) {
+    if (std::isfinite(channel.values[i])) continue;
+    model.fail(
+        fmt::format("key {} of channel {} of the animation is {}", i * channel.times.size() / wanted, index, channel.values[i]),
+        "finite numbers");
+  }
+  for (std::size_t k = 0; k < channel.times.size() && channel.path == Path::rotation; ++k) {
+    if (const double norm = squared_norm(key_value(channel, k, 1)); !(norm > 0)) {
       model.fail(fmt::format("key {} of channel {} of the animation is no rotation", k, index), "a quaternion of length 1");
     }
   }
-  return made;
 }
 
 std::vector<double> GltfAnimation::frame_times() const {

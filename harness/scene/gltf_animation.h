@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "harness/scene/affine.h"
@@ -51,6 +52,7 @@ class GltfAnimation {
   };
 
   [[nodiscard]] static Channel read_channel(const GltfModel& model, const tinygltf::Animation& animation, std::size_t index);
+  static void check_keys(const GltfModel& model, const Channel& channel, std::size_t index, std::string_view interpolation);
   /// Of a cubic spline the in-tangent, value or out-tangent (part 0, 1, 2); else the value.
   [[nodiscard]] static std::span<const float> key_value(const Channel& channel, std::size_t key, std::size_t part);
   [[nodiscard]] static std::vector<double> value_at(const Channel& channel, double time);

@@ -278,6 +278,14 @@ TEST(GltfAnimation, ErrorsOfChannels) {
                           R"({"mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]})"),
             "node 0 has a matrix and is animated; expected translation, rotation and scale");
   EXPECT_EQ(channel_error("translation", "LINEAR", {}, {}), "channel 0 of the animation has no keys; expected one at least");
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(channel_error("translation", "LINEAR", {0, 1}, {0, 0, 0, 0, nan, 0}),
+            "key 1 of channel 0 of the animation is nan; expected finite numbers");
+  EXPECT_EQ(channel_error("scale", "CUBICSPLINE", {0, 1},
+                          {1, 1, 1, 1, 1, 1, 1, 1, std::numeric_limits<float>::infinity(), 1, 1, 1, 1, 1, 1, 1, 1, 1}),
+            "key 0 of channel 0 of the animation is inf; expected finite numbers");
+  EXPECT_EQ(channel_error("rotation", "LINEAR", {0, 1}, {0, 0, 0, 1, 0, 0, nan, 1}),
+            "key 1 of channel 0 of the animation is nan; expected finite numbers");
   EXPECT_EQ(channel_error("rotation", "LINEAR", {0, 1}, std::vector<float>(8)),
             "key 0 of channel 0 of the animation is no rotation; expected a quaternion of length 1");
 }

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
 #include <utility>
 
+#include "harness/scene/frame_files.h"
 #include "harness/scene/parsed_cache.h"
 #include "harness/scene/sha256.h"
 #include "harness/scene/source.h"
@@ -36,37 +36,6 @@ void check_hash(const Input& input, const std::string& found) {
           fmt::format("{}, as {} says", input.file->sha256, input.file->described.text()));
 }
 
-std::vector<SharedArray<Vec3>> read_sequence(const SourceFile& source, std::size_t vertices) {
-  const std::size_t frame_bytes = vertices * sizeof(Vec3);
-  if (source.bytes.empty() || source.bytes.size() % frame_bytes != 0) {
-    fail_at(source.name, fmt::format("the sequence has {} bytes", source.bytes.size()),
-            fmt::format("a multiple of {}: {} vertices of three floats a frame", frame_bytes, vertices));
-  }
-  std::vector<SharedArray<Vec3>> frames(source.bytes.size() / frame_bytes);
-  for (std::size_t f = 0; f < frames.size(); ++f) {
-    std::vector<Vec3> positions(vertices);
-    std::memcpy(positions.data(), source.bytes.data() + f * frame_bytes, frame_bytes);
-    frames[f] = SharedArray<Vec3>(std::move(positions));
-  }
-  return frames;
-}
-
-void add_frames(Scene& scene, const fs::path& file) {
-  const SourceFile source = open_source(file);
-  if (source.extension == "f32") {
-    for (auto& frame : read_sequence(source, scene.vertices.size())) scene.frames.push_back(std::move(frame));
-    return;
-  }
-  const Scene frame = reader_for(source)(source);
-  const bool same = frame.vertices.size() == scene.vertices.size() && frame.triangles.size() == scene.triangles.size() &&
-                    std::equal(frame.triangles.begin(), frame.triangles.end(), scene.triangles.begin());
-  if (!same) {
-    fail_at(source.name, fmt::format("the frame has {} vertices and {} triangles", frame.vertices.size(), frame.triangles.size()),
-            fmt::format("the {} and {} of the scene, joined alike", scene.vertices.size(), scene.triangles.size()));
-  }
-  scene.frames.push_back(frame.vertices);
-}
-
 /// Parses without any cache; `siblings` gets the files the model refers to.
 Scene parse(const FileToRead& model, const std::vector<FileToRead>& frames, std::vector<Sibling>& siblings) {
   SourceFile source = open_source(model.path);
@@ -80,7 +49,13 @@ Scene parse(const FileToRead& model, const std::vector<FileToRead>& frames, std:
   Scene scene = reader_for(source)(source);
   scene.name = source.stem;
   if (scene.vertices.empty() || scene.triangles.empty()) fail_at(source.name, "the scene has no triangles", "at least one");
-  for (const FileToRead& frame : frames) add_frames(scene, frame.path);
+  if (!scene.frames.empty() && !frames.empty()) {
+    fail_at(source.name,
+            fmt::format("the model moves of itself, in {} key frames, and has {} files of frames", scene.frames.size(),
+                        frames.size()),
+            "one of both");
+  }
+  for (const FileToRead& frame : frames) add_frames(scene, source.name, frame.path);
   finish_scene(scene, source.name);
   return scene;
 }

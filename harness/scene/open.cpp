@@ -62,13 +62,20 @@ Scene open_entry(const CatalogEntry& entry) {
 }  // namespace
 
 std::string not_installed_text(const CatalogEntry& entry) {
-  for (const CatalogFile& file : entry.files) {
-    if (!file.get.empty()) return fmt::format("scene not installed: raystudy scene get {}", entry.name);
+  const auto can_get = [](const CatalogFile& file) { return !file.get.empty(); };
+  const auto by_hand = [&entry](const CatalogFile& file) {
+    return entry.by_hand.empty() ? fmt::format("put the file at {} below a folder of RAYSTUDY_SCENES", file.path) : entry.by_hand;
+  };
+  if (installed_file(entry) == nullptr && std::none_of(entry.files.begin(), entry.files.end(), can_get)) {
+    return fmt::format("scene not installed: {}; {}", entry.name, by_hand(entry.files.front()));
   }
-  return fmt::format("scene not installed: {}; {}", entry.name,
-                     entry.by_hand.empty()
-                         ? fmt::format("put the file at {} below a folder of RAYSTUDY_SCENES", entry.files.front().path)
-                         : entry.by_hand);
+  for (std::size_t i = 0; i < entry.frames.size(); ++i) {
+    const CatalogFile& frame = entry.frames[i];
+    if (can_get(frame) || find_file(frame)) continue;
+    return fmt::format("scene not installed: {} lacks file {} of {} with frames, {}; {}", entry.name, i + 1, entry.frames.size(),
+                       frame.path, by_hand(frame));
+  }
+  return fmt::format("scene not installed: raystudy scene get {}", entry.name);
 }
 
 const CatalogEntry& catalog_entry(const Catalog& catalog, std::string_view name) {
@@ -94,8 +101,7 @@ Scene open_scene(std::string_view name, std::int64_t triangles, std::uint64_t se
 std::optional<std::string> why_not_installed(const Catalog& catalog, std::string_view name) {
   const CatalogEntry* entry = is_path(name) || is_procedural(name) ? nullptr : catalog.find(name);
   if (entry == nullptr) return std::nullopt;
-  const bool has_frames = std::all_of(entry->frames.begin(), entry->frames.end(), [](const auto& f) { return find_file(f); });
-  if (installed_file(*entry) != nullptr && has_frames) return std::nullopt;
+  if (is_installed(*entry)) return std::nullopt;
   return not_installed_text(*entry);
 }
 

@@ -145,24 +145,5 @@ TEST_F(ParsedCache, ArchivesAreCachedToo) {
   EXPECT_EQ(std::filesystem::last_write_time(cached().at(0)), before);
 }
 
-TEST_F(ParsedCache, BadFrames) {
-  const std::string model = environment.folder.write("square.ply", test::square_ply);
-  const auto error = [&](const std::string& name, std::string_view content) {
-    const std::string frames = environment.folder.write(name, content);
-    std::string text = test::error_of([&] { (void)load_scene({model}, {{frames}}); });
-    if (text.starts_with(frames)) text.replace(0, frames.size(), "FRAMES");
-    if (text.starts_with(model)) text.replace(0, model.size(), "MODEL");
-    return text;
-  };
-  EXPECT_EQ(error("a.f32", std::string(47, '\0')),
-            "FRAMES: the sequence has 47 bytes; expected a multiple of 48: 4 vertices of three floats a frame");
-  EXPECT_EQ(error("a.f32", ""),
-            "FRAMES: the sequence has 0 bytes; expected a multiple of 48: 4 vertices of three floats a frame");
-  EXPECT_EQ(error("a.f32", std::string(92, '\0') + test::packed(std::numeric_limits<float>::quiet_NaN())),
-            "MODEL: vertex 3 of frame 1 is (0, 0, nan); expected finite coordinates");
-  EXPECT_EQ(error("b.obj", "v 0 0 0\nf 1 1 1\n"),
-            "FRAMES: the frame has 1 vertices and 1 triangles; expected the 4 and 2 of the scene, joined alike");
-}
-
 }  // namespace
 }  // namespace raystudy

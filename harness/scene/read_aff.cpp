@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -118,9 +119,9 @@ class AffReader {
 
   void animation(AffCursor& in) {
     const auto [begin, end, frames] = in.numbers<3>("the animation's begin, end and number of frames");
-    if (!(begin < end) || !(frames >= 2)) {
+    if (!(begin < end) || frames < 2 || frames != std::floor(frames)) {
       in.fail(fmt::format("the animation has {} frames from {} to {}", frames, begin, end),
-              "two frames or more, and time to pass");
+              "a whole number of frames, two at least, and time to pass");
     }
     model_.begin = begin;
     model_.end = end;

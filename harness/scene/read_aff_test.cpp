@@ -170,7 +170,24 @@ TEST_F(Aff, Errors) {
   EXPECT_EQ(error("}"), "scene.aff:1:1: '}' closes nothing; expected '{' before it");
   EXPECT_EQ(error("x a p 3"), "scene.aff:1:5: 'p' follows x; expected '{'");
   EXPECT_EQ(error("a 0 0 5"),
-            "scene.aff:1:7: the animation has 5 frames from 0 to 0; expected two frames or more, and time to pass");
+            "scene.aff:1:7: the animation has 5 frames from 0 to 0; expected a whole number of frames, two at least, and time to "
+            "pass");
+  for (const std::string frames : {"0", "-5", "2.5"}) {
+    EXPECT_EQ(error("a 0 4 " + frames),
+              "scene.aff:1:7: the animation has " + frames +
+                  " frames from 0 to 4; expected a whole number of frames, two at least, and time to pass");
+  }
+  EXPECT_EQ(error("a 0 4 nan"),
+            "scene.aff:1:7: 'nan' stands where the animation's begin, end and number of frames should; expected a finite number");
+  EXPECT_EQ(error("k a { transl 4 0 0 0 0 0 0 0\n1 0 nan 0 0 0 0 2 0 0 0 0 0 0 3 0 0 0 0 0 0 }"),
+            "scene.aff:2:5: 'nan' stands where a translation should; expected a finite number");
+  EXPECT_EQ(error("k a { transl 4 0 0 0 0 0 0 0\ninf 0 0 0 0 0 0 2 0 0 0 0 0 0 3 0 0 0 0 0 0 }"),
+            "scene.aff:2:1: 'inf' stands where a time should; expected a finite number");
+  EXPECT_EQ(error("p 3 0 0 0 1 0 0 0 1e999 0"),
+            "scene.aff:1:19: '1e999' stands where a coordinate should; expected a finite number");
+  EXPECT_EQ(error("a 0 4 5\nx a { p 3 0 0 0 1 0 0 0 1 0 }\nk a { transl 4 0 0 0 0 0 0 0 1 0 0 0 0 0 0 3 1e300 0 0 0 0 0 4 0 0 "
+                  "0 0 0 0 }"),
+            "scene.aff: vertex 0 of frame 2 is (inf, 0, 0); expected finite coordinates");
   EXPECT_EQ(error("k a { transl 3 0 0 0 0 0 0 0 }"),
             "scene.aff:1:14: a has 3 keys; expected four at least: the first and the last only shape the curve");
   EXPECT_EQ(error("k a { trans 4 }"),

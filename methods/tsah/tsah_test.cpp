@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -5,11 +6,12 @@
 
 #include "harness/accel/refit.h"
 #include "harness/accel/validate.h"
-#include "harness/base/error.h"
 #include "harness/method/registry.h"
 #include "harness/scene/animation.h"
+#include "harness/spec/plan.h"
 #include "methods/tsah/frame_optimization.h"
 #include "tests/support/animated.h"
+#include "tests/support/files.h"
 #include "tests/support/same_tree.h"
 
 namespace raystudy::tsah {
@@ -144,9 +146,22 @@ TEST(FrameWeights, ArePowersOfCostsOverTheRootsMeasures) {
 }
 
 TEST(Tsah, ParametersOutOfRangeAreRefused) {
-  const Registry& registry = Registry::instance();
-  EXPECT_THROW((void)registry.ref(Role::optimizer, "tsah", {{"exponent", -1.0}}), Error);
-  EXPECT_THROW((void)registry.ref(Role::optimizer, "tsah", {{"frames", std::int64_t{0}}}), Error);
+  const test::TempFolder folder;
+  const std::string file =
+      folder.write("x.yaml",
+                   "scenes: [terrain: {triangles: 1000}]\nanimation: {}\nmethods:\n"
+                   "  a: {builder: sweep-sah, update: refit, optimize: [tsah: {exponent: -2, frames: 0}]}\n"
+                   "  b: {builder: sweep-sah, update: refit, optimize: [compaction: {exponent: -0.5, frames: -1}]}\n"
+                   "  c: {builder: sweep-sah, update: refit, optimize: [tsah: {exponent: .nan, frames: 65}]}\n");
+  EXPECT_EQ(
+      test::error_of([&] { (void)read_plan(file, Scale::quick); }),
+      fmt::format("{0}:4:70: optimizer 'tsah': parameter 'exponent' is the integer -2; expected a number in [0, 1000]\n"
+                  "{0}:4:82: optimizer 'tsah': parameter 'frames' is the integer 0; expected an integer in [1, 64]\n"
+                  "{0}:5:76: optimizer 'compaction': parameter 'exponent' is the number -0.5; expected a number in [0, 1000]\n"
+                  "{0}:5:90: optimizer 'compaction': parameter 'frames' is the integer -1; expected an integer in [0, 64]\n"
+                  "{0}:6:70: optimizer 'tsah': parameter 'exponent' is the text '.nan'; expected a number in [0, 1000]\n"
+                  "{0}:6:84: optimizer 'tsah': parameter 'frames' is the integer 65; expected an integer in [1, 64]",
+                  file));
 }
 
 }  // namespace
