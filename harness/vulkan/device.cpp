@@ -104,6 +104,7 @@ DeviceImpl::DeviceImpl(std::string_view choice) : physical(choose(instance, choi
   limits = physical.getProperties().limits;
   timestamp_seconds = static_cast<double>(limits.timestampPeriod) * 1e-9;
   family = compute_family(physical, timestamp_mask);
+  doubles = physical.getFeatures().shaderFloat64 != VK_FALSE;
   min_subgroup = max_subgroup = info.subgroup_size;
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue_info({}, family, 1, &priority);
@@ -125,7 +126,9 @@ DeviceImpl::DeviceImpl(std::string_view choice) : physical(choose(instance, choi
     sizes.pNext = features.pNext;
     features.pNext = &sizes;
   }
-  vk::DeviceCreateInfo create({}, queue_info, {}, extensions);
+  vk::PhysicalDeviceFeatures core_features;
+  core_features.shaderFloat64 = doubles ? VK_TRUE : VK_FALSE;
+  vk::DeviceCreateInfo create({}, queue_info, {}, extensions, &core_features);
   create.pNext = &features;
   checked("making the Vulkan device", [&] {
     device.emplace(physical, create);
@@ -198,6 +201,7 @@ std::size_t Device::peak_bytes() const { return impl_->peak_bytes; }
 void Device::reset_peak_bytes() { impl_->peak_bytes = impl_->bytes; }
 std::uint32_t Device::max_groups() const { return impl_->limits.maxComputeWorkGroupCount[0]; }
 std::uint32_t Device::shared_memory() const { return impl_->limits.maxComputeSharedMemorySize; }
+bool Device::has_doubles() const { return impl_->doubles; }
 
 const Kernel& Device::kernel(std::string_view name, const Constants& constants, std::uint32_t subgroup_size) {
   auto& kernel = impl_->kernels[{std::string(name), constants, subgroup_size}];

@@ -65,6 +65,8 @@ class Device {
   /// Workgroups along x that a dispatch may have.
   [[nodiscard]] std::uint32_t max_groups() const;
   [[nodiscard]] std::uint32_t shared_memory() const;
+  /// Whether kernels may use double precision (shaderFloat64), which is enabled wherever it is offered.
+  [[nodiscard]] bool has_doubles() const;
 
   [[nodiscard]] DeviceImpl& impl() { return *impl_; }
 

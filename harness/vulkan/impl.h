@@ -76,6 +76,7 @@ struct DeviceImpl {
   std::uint32_t min_subgroup = 0;
   std::uint32_t max_subgroup = 0;
   std::uint32_t family = 0;
+  bool doubles = false;
   double timestamp_seconds = 0;  ///< of one tick
   std::uint64_t timestamp_mask = 0;
   std::optional<vk::raii::Device> device;

@@ -1,31 +1,13 @@
 #include "methods/scalar/scalar_session.h"
 
-#include <algorithm>
+#include <atomic>
 #include <stdexcept>
 
+#include "harness/accel/tree_height.h"
 #include "harness/method/parallel_rays.h"
 #include "harness/method/ray_counter.h"
 
 namespace raystudy::scalar {
-namespace {
-
-/// Levels below the root; without recursion, as trees may be as deep as they have leaves.
-std::size_t tree_height(const Bvh2& bvh) {
-  std::vector<std::pair<std::uint32_t, std::size_t>> pending{{0, 0}};
-  std::size_t height = 0;
-  while (!pending.empty()) {
-    const auto [index, depth] = pending.back();
-    pending.pop_back();
-    height = std::max(height, depth);
-    const Bvh2Node& node = bvh.nodes[index];
-    if (node.is_leaf()) continue;
-    pending.emplace_back(node.first, depth + 1);
-    pending.emplace_back(node.first + 1, depth + 1);
-  }
-  return height;
-}
-
-}  // namespace
 
 ScalarSession::ScalarSession(const Bvh2& bvh, const Scene& scene, int threads)
     : triangles_(bvh.triangles), empty_(bvh.empty()), threads_(threads) {
