@@ -80,10 +80,12 @@ std::vector<double> label_heights(const std::vector<Growth>& growths) {
   return heights;
 }
 
-/// Says beside each curve with which power of the triangles it grows, and draws the power that it is to be compared with.
-void add_growth(const FigureSpec& figure, const Json& encoding, const std::vector<Growth>& growths, Json& rows, Json& layers) {
+/// Says beside each curve with which power of the triangles it grows, and draws the power that it is to be compared with. False
+/// where no curve has points enough: layers without data would be mistakes of the figure.
+bool add_growth(const FigureSpec& figure, const Json& encoding, const std::vector<Growth>& growths, Json& rows, Json& layers) {
   const double reference = reference_exponent(figure);
   const std::vector<double> heights = label_heights(growths);
+  const std::size_t measured = rows.size();
   for (std::size_t i = 0; i < growths.size(); ++i) {
     const Growth& growth = growths[i];
     const std::optional<PowerFit> fit = fit_power(growth.triangles, growth.values);
@@ -101,17 +103,19 @@ void add_growth(const FigureSpec& figure, const Json& encoding, const std::vecto
     add(*least, start, "reference", growth.method);
     add(*most, start * std::pow(*most / *least, reference), "reference", growth.method);
   }
+  if (rows.size() == measured) return false;
   Json fitted{{"x", encoding["x"]}, {"y", encoding["y"]}, {"color", encoding["color"]}};
   fitted["text"] = {{"field", "exponent"}, {"type", "nominal"}};
   layers.push_back({{"transform", Json::array({{{"filter", "isValid(datum.exponent)"}}})},
                     {"mark", {{"type", "text"}, {"align", "left"}, {"baseline", "middle"}, {"dx", 10}, {"fontSize", 12}}},
                     {"encoding", std::move(fitted)}});
-  if (reference <= 0) return;
+  if (reference <= 0) return true;
   Json line{{"x", encoding["x"]}, {"y", encoding["y"]}, {"detail", {{"field", "reference"}, {"type", "nominal"}}}};
   const Json layer{{"transform", Json::array({{{"filter", "isValid(datum.reference)"}}})},
                    {"mark", {{"type", "line"}, {"color", "#999999"}, {"strokeWidth", 1.25}, {"strokeDash", {4, 3}}}},
                    {"encoding", std::move(line)}};
   layers.insert(layers.begin(), layer);
+  return true;
 }
 
 }  // namespace
@@ -172,8 +176,7 @@ Json scaling_plot(const FigureSpec& figure, const Report& report, std::vector<st
                       {"encoding", intervals}});
   }
   std::string explained;
-  if (is_logarithmic(figure, "log_x") && is_logarithmic(figure, "log_y")) {
-    add_growth(figure, encoding, growths, rows, layers);
+  if (is_logarithmic(figure, "log_x") && is_logarithmic(figure, "log_y") && add_growth(figure, encoding, growths, rows, layers)) {
     explained = "N^x: the power of the triangles that fits best";
     if (const double x = reference_exponent(figure); x > 0) explained += fmt::format("; grey: N^{:g}", x);
   }
