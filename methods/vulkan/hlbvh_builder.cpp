@@ -37,7 +37,7 @@ class Hlbvh final : public Builder {
                    integer_param("max_leaf_triangles", 8, "a range of at most so many triangles is a leaf", 1, 64)},
         .accel = std::string(Bvh2::kind_name),
         .on_device = true,
-        .parts = {"bounds", "morton", "sort", "leaves", "treelets", "hierarchy", "boxes", "sah", "layout"}};
+        .parts = {"bounds", "morton", "sort", "leaves", "treelets", "hierarchy", "sah", "layout"}};
   }
 
   [[nodiscard]] std::unique_ptr<Accel> build(const Scene& scene, const BuildContext& context) const override {

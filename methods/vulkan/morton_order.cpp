@@ -73,7 +73,7 @@ std::vector<vulkan::PartTime> MortonOrder::build() {
   commands.mark("morton");
   commands.run(device_.kernel("morton_grid", {1}), GridPush{bounds_.address(), grid_.address(), bits_ / 3}, 1);
   commands.barrier();
-  commands.run(device_.kernel("morton", {shape.group, shape.items, two_words() ? 1U : 0U}),
+  commands.run(device_.kernel("morton", {shape.group, shape.items, bits_ / 3}),
                MortonPush{boxes_.address(), grid_.address(), items_.low.address(), high, count_}, groups);
   commands.barrier();
   commands.mark("sort");

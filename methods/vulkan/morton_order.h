@@ -13,7 +13,7 @@ namespace raystudy::gpu {
 /// methods/lbvh/README.md defines.
 class MortonOrder {
  public:
-  /// `bits`: 30 or 63. The scene has one triangle at least.
+  /// `bits`: 30, 60 or 63. The scene has one triangle at least.
   MortonOrder(vulkan::Device& device, const DeviceScene& scene, std::uint32_t bits);
 
   /// Parts "bounds", "morton" and "sort".

@@ -29,7 +29,8 @@ namespace {
 using vulkan::Device;
 
 constexpr const char* builders =
-    "gpu-lbvh,gpu-lbvh(construction=apetrei),gpu-lbvh(morton_bits=63),gpu-hlbvh(split=median),gpu-hlbvh,lbvh,hlbvh(split=median),"
+    "gpu-lbvh,gpu-lbvh(construction=apetrei),gpu-lbvh(morton_bits=63),gpu-hlbvh(split=median),gpu-hlbvh,gpu-ploc,ploc,lbvh,hlbvh("
+    "split=median),"
     "hlbvh";
 
 void sort(benchmark::State& state, std::uint32_t bits) {

@@ -5,7 +5,7 @@
 
 // The Morton code of every triangle's box.
 layout(constant_id = 1) const uint items = 1;  // triangles of an invocation
-layout(constant_id = 2) const bool two_words = false;
+layout(constant_id = 2) const uint bits = 10;  // an axis; more than 10 make codes of two words
 
 layout(push_constant, scalar) uniform Push {
   Boxes boxes;
@@ -22,12 +22,12 @@ void main() {
     const uint i = begin + k * gl_WorkGroupSize.x;
     if (i >= push.count) return;
     const vec3 center = box_center(push.boxes.at[i]);
-    if (two_words) {
-      const uvec3 cell = cell_of(grid, center, 21);
+    const uvec3 cell = cell_of(grid, center, bits);
+    if (bits > 10) {
       push.low.at[i] = low_code_of_21(cell);
       push.high.at[i] = high_code_of_21(cell);
     } else {
-      push.low.at[i] = code_of_10(cell_of(grid, center, 10));
+      push.low.at[i] = code_of_10(cell);
     }
   }
 }

@@ -1,4 +1,4 @@
-// Morton codes of 30 bits, in one word, or of 63, in two. MortonGrid of harness/geometry/morton.h says which cell a point is in, to
+// Morton codes of 30 bits, in one word, or of 60 or 63, in two. MortonGrid of harness/geometry/morton.h says which cell a point is in, to
 // the last bit.
 struct Grid {
   vec3 half_lower;
@@ -61,6 +61,6 @@ uint code_of_10(uvec3 cell) {
   const uvec3 spread = spread_bits(cell);
   return spread.x << 2 | spread.y << 1 | spread.z;
 }
-// Of cells of 21 bits an axis: the low word ends with z and y of bit 10, the high one begins with x of it.
+// Of cells of up to 21 bits an axis: the low word ends with z and y of bit 10, the high one begins with x of it.
 uint low_code_of_21(uvec3 cell) { return code_of_10(cell) | (cell.z >> 10 & 1) << 30 | (cell.y >> 10 & 1) << 31; }
 uint high_code_of_21(uvec3 cell) { return (cell.x >> 10 & 1) | code_of_10(cell >> 11) << 1; }
