@@ -1,21 +1,19 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include "harness/accel/bvh2.h"
 #include "harness/method/device_times.h"
 #include "harness/vulkan/commands.h"
-#include "methods/topdown/top_down.h"
 #include "methods/vulkan/device_scene.h"
 #include "methods/vulkan/prefix_sum.h"
+#include "methods/vulkan/sah_large.h"
+#include "methods/vulkan/sah_memory.h"
 
 namespace raystudy::gpu {
-
-struct SahParams {
-  topdown::LeafPolicy leaves;
-  std::uint32_t samples;  ///< candidates an axis
-};
 
 struct SahKernels {
   SahKernels(vulkan::Device& device, const SahParams& params);
@@ -27,6 +25,7 @@ struct SahKernels {
   const vulkan::Kernel& reorder;
   const vulkan::Kernel& flags;
   const vulkan::Kernel& compact;
+  const vulkan::Kernel& small;
 };
 
 /// Builds a tree on a device level by level, by the surface area heuristic over samples (Lauterbach 2010, Sec. 5.2): a queue of
@@ -37,7 +36,7 @@ class SahBuild {
   SahBuild(vulkan::Device& device, const DeviceScene& scene, const SahParams& params);
 
   void run();
-  /// "Rest", "SAH split", "Reorder" and "Compaction".
+  /// "Rest", "SAH split", "Reorder", "Compaction" and "Small splits".
   [[nodiscard]] const std::vector<vulkan::PartTime>& parts() const { return parts_; }
   [[nodiscard]] const std::vector<DeviceTimes::Level>& levels() const { return levels_; }
   /// Fetches the tree. The device's has a slot for every pair of children that single triangles would need, in the order in which
@@ -45,39 +44,40 @@ class SahBuild {
   double download(Bvh2& bvh) const;
 
  private:
-  struct Waiting {
-    std::uint32_t large;  ///< nodes to be split on the next level
-    std::uint32_t small;  ///< of the small-split kernel, since the beginning
-    double seconds;
-  };
-
-  void record_begin(vulkan::Commands& commands);
-  void record_split(vulkan::Commands& commands, std::uint32_t active);
-  void record_reorder(vulkan::Commands& commands, std::uint32_t active);
-  void record_compaction(vulkan::Commands& commands, std::uint32_t children);
-  Waiting finish(vulkan::Commands& commands);
-  [[nodiscard]] std::uint32_t scratch_words() const { return std::max(count_, children_count_ + 1); }
+  void begin();
+  /// Sends nodes to where they will be split.
+  void add(std::span<const SahNode> nodes);
+  /// Splits all nodes that wait, and leaves their children waiting.
+  void run_level();
+  void run_small();
+  void record_split(vulkan::Commands& commands);
+  void record_reorder(vulkan::Commands& commands);
+  void record_compaction(vulkan::Commands& commands);
+  /// Runs them; returns seconds.
+  double finish(vulkan::Commands& commands);
 
   vulkan::Device& device_;
   const DeviceScene& scene_;
   SahParams params_;
   std::uint32_t count_;
-  std::uint32_t small_ = 1;
-  std::uint32_t capacity_;  ///< of the queue
-  std::uint32_t children_count_;
+  std::uint32_t small_;           ///< most triangles of a node for the small-split kernel
+  std::uint32_t capacity_;        ///< of the queue
+  std::uint32_t children_count_;  ///< most children of a level
   PrefixSum sum_;
   SahKernels kernels_;
   vulkan::Arena arena_;
   vulkan::Buffer readback_;
-  vulkan::Slice boxes_;
   vulkan::Slice bounds_;
-  vulkan::Slice indices_;
-  vulkan::Slice nodes_;
-  vulkan::Slice queue_;
+  vulkan::Slice queue_;  ///< from the front nodes to be split, from the end on small ones
   vulkan::Slice children_;
-  vulkan::Slice scratch_;  ///< triangles that go right; then flags and their prefix sums
-  vulkan::Slice sum_room_;
   vulkan::Slice small_count_;
+  SahMemory memory_;
+  std::optional<LargeSplits> large_splits_;
+
+  std::uint32_t active_ = 0;            ///< nodes in the queue
+  std::uint32_t small_active_ = 0;      ///< small ones
+  std::vector<SahNode> large_;          ///< nodes for several workgroups
+  std::vector<std::uint32_t> joining_;  ///< nodes that are not in the queue yet
   std::vector<vulkan::PartTime> parts_;
   std::vector<DeviceTimes::Level> levels_;
 };

@@ -1,10 +1,7 @@
-#include <fmt/format.h>
-
 #include <memory>
 #include <string>
 #include <utility>
 
-#include "harness/base/error.h"
 #include "harness/method/registry.h"
 #include "methods/vulkan/download_tree.h"
 #include "methods/vulkan/sah_build.h"
@@ -13,14 +10,14 @@ namespace raystudy::gpu {
 namespace {
 
 std::vector<ParamSpec> sah_params() {
-  std::vector<ParamSpec> specs{integer_param(
-      "samples", 64, "candidates an axis; nodes of no more triangles take the positions of their triangles", 1, 1024)};
+  std::vector<ParamSpec> specs{
+      integer_param("samples", 64, "candidates an axis; nodes of no more triangles take the positions of their triangles", 1,
+                    1024),
+      integer_param("small_split", 32, "nodes of no more triangles (and samples) are built in one go, in shared memory; 0: none",
+                    0, 64)};
   for (ParamSpec& spec : topdown::LeafPolicy::params()) specs.push_back(std::move(spec));
   return specs;
 }
-
-/// Mesa's processor driver ends a shader's loops after 65,535 rounds.
-constexpr std::size_t most_triangles = 32768;
 
 /// Breadth-first construction by the surface area heuristic on a device, one workgroup a split.
 class GpuSah final : public Builder {
@@ -37,23 +34,18 @@ class GpuSah final : public Builder {
         .params = sah_params(),
         .accel = std::string(Bvh2::kind_name),
         .on_device = true,
-        .parts = {"SAH split", "Reorder", "Compaction", "Rest"}};
+        .parts = {"Rest", "SAH split", "Reorder", "Compaction", "Small splits"}};
   }
 
   [[nodiscard]] std::unique_ptr<Accel> build(const Scene& scene, const BuildContext& context) const override {
     auto bvh = std::make_unique<Bvh2>();
     if (scene.triangles.empty()) return bvh;
-    if (scene.triangles.size() > most_triangles) {
-      throw Error(Diagnostic{{},
-                             fmt::format("gpu-sah: {} triangles", scene.triangles.size()),
-                             fmt::format("at most {}, which one workgroup can go through", most_triangles),
-                             {}});
-    }
     vulkan::Device& device = vulkan::Device::shared();
     device.reset_peak_bytes();
     const DeviceScene on_device(device, scene);
     SahBuild build(device, on_device,
-                   {topdown::LeafPolicy(params_, context.cost), static_cast<std::uint32_t>(params_.integer("samples"))});
+                   {topdown::LeafPolicy(params_, context.cost), static_cast<std::uint32_t>(params_.integer("samples")),
+                    static_cast<std::uint32_t>(params_.integer("small_split"))});
     build.run();
     const double download = build.download(*bvh);
     report(context.device, build.parts(), on_device.upload_seconds(), download, device.peak_bytes());

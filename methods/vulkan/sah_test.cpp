@@ -68,16 +68,32 @@ Scene heap(std::uint32_t n) {
 
 TEST_F(GpuSah, TakesTheSplitsOfSweepSahWhereThereAreAsManySamplesAsTriangles) {
   for (const char* leaves : {"single", "sah"}) {
+    const Changes ours{{"samples", number(1024)}, {"leaves", std::string(leaves)}};
+    Changes without_small = ours;
+    without_small["small_split"] = number(0);
     for (const char* name : {"soup", "terrain", "city"}) {
       const Scene scene = make_procedural(name, 1000, 1);
       ASSERT_LE(scene.triangles.size(), 1024U);
-      const Bvh2 ours = build("gpu-sah", scene, {{"samples", number(1024)}, {"leaves", std::string(leaves)}});
       const Bvh2 sweep = build("sweep-sah", scene, {{"leaves", std::string(leaves)}});
-      EXPECT_EQ(difference(ours, sweep), "") << name << ", " << leaves;
+      EXPECT_EQ(difference(build("gpu-sah", scene, ours), sweep), "") << name << ", " << leaves;
+      EXPECT_EQ(difference(build("gpu-sah", scene, without_small), sweep), "") << name << ", " << leaves << ", no small splits";
     }
   }
   const Scene equal = heap(100);
   EXPECT_EQ(difference(build("gpu-sah", equal, {{"samples", number(128)}}), build("sweep-sah", equal)), "");
+}
+
+TEST_F(GpuSah, BuildsSmallSubtreesAsItBuildsLargeOnes) {
+  for (const char* name : {"soup", "terrain", "city"}) {
+    const Scene scene = make_procedural(name, 3000, 1);
+    for (const char* leaves : {"single", "sah"}) {
+      const Bvh2 none = build("gpu-sah", scene, {{"small_split", number(0)}, {"leaves", std::string(leaves)}});
+      for (const std::int64_t size : {2, 3, 32, 64}) {
+        const Bvh2 some = build("gpu-sah", scene, {{"small_split", number(size)}, {"leaves", std::string(leaves)}});
+        EXPECT_EQ(difference(some, none), "") << name << ", " << leaves << ", " << size;
+      }
+    }
+  }
 }
 
 /// What README.md defines, one node after another.
@@ -205,6 +221,13 @@ TEST_F(GpuSah, HalvesWhatNoSampleDivides) {
   EXPECT_EQ(difference(build("gpu-sah", equal, {{"samples", number(1)}}), Reference(equal, 1, 0).bvh()), "");
 }
 
+TEST_F(GpuSah, SplitsWithSeveralWorkgroupsWhatIsLarge) {
+  const Scene soup = make_procedural("soup", 30'000, 1);
+  EXPECT_EQ(difference(build("gpu-sah", soup), Reference(soup, 64, 0).bvh()), "");
+  const Scene equal = heap(20'001);
+  EXPECT_EQ(difference(build("gpu-sah", equal), Reference(equal, 64, 0).bvh()), "");
+}
+
 TEST_F(GpuSah, IsNearlyAsGoodAsSweepSah) {
   for (const char* name : {"terrain", "atrium"}) {
     const Scene scene = make_procedural(name, 20'000, 1);
@@ -224,12 +247,13 @@ TEST_F(GpuSah, TellsItsPartsAndLevels) {
     names.push_back(part.name);
     sum += part.seconds;
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"Rest", "Compaction", "SAH split", "Reorder"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"Rest", "SAH split", "Reorder", "Compaction", "Small splits"}));
   EXPECT_NEAR(sum, times.seconds.value(), 1e-9);
+  EXPECT_EQ(times.levels.front().active, 1);
+  build("gpu-sah", scene, {{"small_split", number(0)}}, &times);
   double splits = 0;
   for (const DeviceTimes::Level& level : times.levels) splits += level.active;
   EXPECT_EQ(splits, n - 1);  // one triangle a leaf
-  EXPECT_EQ(times.levels.front().active, 1);
   EXPECT_GT(static_cast<double>(times.peak_bytes), 98 * n);
   EXPECT_LT(static_cast<double>(times.peak_bytes), (98 + 8 + 36) * n);  // with the scene's own
 }

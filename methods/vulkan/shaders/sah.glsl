@@ -20,9 +20,6 @@ struct Candidate {
 };
 Candidate candidates[own];
 
-shared uint least_cost;  // of all candidates, as bits: costs are not negative
-shared uint least_rank;  // of those of least cost
-
 vec3 center_of(Box box) { return 0.5 * box.lower + 0.5 * box.upper; }
 float along(vec3 v, uint axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 bool goes_left(float center, uint triangle, float position, uint index) {
@@ -45,6 +42,9 @@ void set_candidate(uint k, uint axis, float position, uint index) {
   const Box none = Box(vec3(infinity), vec3(-infinity));
   candidates[k] = Candidate(axis, position, index, 0, none, none, infinity);
 }
+
+// Which candidate of the workgroup an invocation's k-th is.
+uint number_of(uint k) { return gl_LocalInvocationID.x + k * gl_WorkGroupSize.x; }
 
 // Candidate `number` of a node of more triangles than there are samples: uniformly between the least and the greatest center.
 void set_sample(uint k, uint number, vec3 lower, vec3 upper, float spacing) {
@@ -72,42 +72,22 @@ uint rank_of(uint k, uint n, uint number) {
   return candidates[k].axis << 16 | uint(abs(int(2 * lefts) - int(n))) << 1 | (2 * lefts > n ? 1 : 0);
 }
 
-uint number_of(uint k) { return gl_LocalInvocationID.x + k * gl_WorkGroupSize.x; }
-
-// Finds the least cost of all candidates, once they have seen the n triangles. To be called by all invocations.
-void compare_candidates(uint n) {
-  barrier();
-  if (gl_LocalInvocationID.x == 0) {
-    least_cost = floatBitsToUint(infinity);
-    least_rank = ~0u;
-  }
-  barrier();
-  for (uint k = 0; k < own; ++k) {
-    const uint lefts = candidates[k].lefts;
-    if (candidates[k].axis == no_axis || lefts == 0 || lefts == n) continue;
-    precise const float cost =
-        half_area(candidates[k].left) * float(lefts) + half_area(candidates[k].right) * float(n - lefts);
-    if (!(cost < infinity)) continue;
-    candidates[k].cost = cost;
-    atomicMin(least_cost, floatBitsToUint(cost));
-  }
-  barrier();
-  for (uint k = 0; k < own; ++k) {
-    const uint cost = floatBitsToUint(candidates[k].cost);
-    if (cost == least_cost && candidates[k].cost < infinity) atomicMin(least_rank, rank_of(k, n, number_of(k)));
-  }
-  barrier();
-}
-
-bool is_best(uint k, uint n) {
-  return candidates[k].cost < infinity && floatBitsToUint(candidates[k].cost) == least_cost &&
-         rank_of(k, n, number_of(k)) == least_rank;
+// Measures a candidate that has seen the n triangles.
+void set_cost(uint k, uint n) {
+  const uint lefts = candidates[k].lefts;
+  if (candidates[k].axis == no_axis || lefts == 0 || lefts == n) return;
+  precise const float cost = half_area(candidates[k].left) * float(lefts) + half_area(candidates[k].right) * float(n - lefts);
+  if (cost < infinity) candidates[k].cost = cost;
 }
 
 // Whether a leaf costs no more than the best split.
-bool is_leaf(uint n, float area, float traversal, float intersection, uint max_leaf) {
+bool is_leaf(uint n, float area, float split_cost, float traversal, float intersection, uint max_leaf) {
   if (n > max_leaf) return false;
   precise const float leaf = intersection * area * float(n);
-  precise const float split = traversal * area + intersection * uintBitsToFloat(least_cost);
+  precise const float split = traversal * area + intersection * split_cost;
   return leaf <= split;
 }
+
+// Where the measure tells nothing, a node is halved.
+bool tells_nothing(float area, float split_cost) { return split_cost == infinity || !(area > 0); }
+uint axis_to_halve(Box box, uint n) { return n == 2 ? 0 : longest_axis(box); }

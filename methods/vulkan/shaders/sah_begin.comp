@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "methods/vulkan/shaders/sah_queue.glsl"
 #include "methods/vulkan/shaders/scene.glsl"
 
 // Triangles in the order of the scene, and the root as a leaf of them all.
@@ -8,9 +7,7 @@ layout(push_constant, scalar) uniform Push {
   Uints bounds;
   Uints indices;
   Nodes nodes;
-  Uints children;  // gets the root
   uint count;
-  uint small;
 } push;
 
 void main() {
@@ -23,5 +20,4 @@ void main() {
     box.upper[axis] = from_sortable(push.bounds.at[3 + axis]);
   }
   push.nodes.at[0] = Node(box, 0, push.count);
-  push.children.at[0] = queued(0, push.count, push.small);
 }

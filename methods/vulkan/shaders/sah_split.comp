@@ -1,7 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "methods/vulkan/shaders/sah.glsl"
+#include "methods/vulkan/shaders/sah_compare.glsl"
 #include "methods/vulkan/shaders/sah_queue.glsl"
+#include "methods/vulkan/shaders/sah_tiles.glsl"
 
 // Finds the best split of a node, one workgroup a node, and writes the children. Nodes are first written as leaves, with their
 // triangles' range: what becomes a leaf is done.
@@ -18,25 +20,7 @@ layout(push_constant, scalar) uniform Push {
   float spacing;  // between samples, in lengths of the bounds
 } push;
 
-shared Box tile_boxes[gl_WorkGroupSize.x];
-shared uint tile_indices[gl_WorkGroupSize.x];
 shared uint center_bounds[6];
-
-// Shows every triangle to every candidate, a tile after another. `by_place`: all centers are equal, and places stand for indices.
-void test_all(uint begin, uint n, bool by_place) {
-  const uint lane = gl_LocalInvocationID.x;
-  for (uint tile = 0; tile < n; tile += gl_WorkGroupSize.x) {
-    barrier();
-    if (tile + lane < n) {
-      const uint index = push.indices.at[begin + tile + lane];
-      tile_boxes[lane] = push.boxes.at[index];
-      tile_indices[lane] = by_place ? tile + lane : index;
-    }
-    barrier();
-    const uint size = min(n - tile, gl_WorkGroupSize.x);
-    for (uint i = 0; i < size; ++i) test(tile_boxes[i], by_place ? vec3(0) : center_of(tile_boxes[i]), tile_indices[i]);
-  }
-}
 
 void set_samples(uint begin, uint n) {
   const uint lane = gl_LocalInvocationID.x;
@@ -82,25 +66,24 @@ void main() {
   const bool positions = n <= samples;
   if (positions) set_positions(begin, n);
   else set_samples(begin, n);
-  test_all(begin, n, false);
-  compare_candidates(n);
+  test_tiles(push.boxes, push.indices, begin, n, false);
+  const float cost = compare_candidates(n);
   const float area = half_area(node.box);
-  if (is_leaf(n, area, push.traversal, push.intersection, push.max_leaf)) {
+  if (is_leaf(n, area, cost, push.traversal, push.intersection, push.max_leaf)) {
     if (gl_LocalInvocationID.x == 0) push.decisions.at[2 * group] = no_split;
     return;
   }
-  // Where the measure tells nothing, the node is halved: in the order of positions, or of places.
-  const bool halve = uintBitsToFloat(least_cost) == infinity || !(area > 0);
+  // In the order of positions, or of places.
+  const bool halve = tells_nothing(area, cost);
   const bool by_place = halve && !positions;
   if (by_place) {
     for (uint k = 0; k < own; ++k) set_candidate(k, no_axis, 0, n / 2 - 1);
-    test_all(begin, n, true);
+    test_tiles(push.boxes, push.indices, begin, n, true);
   }
-  const uint axis_to_halve = n == 2 ? 0 : longest_axis(node.box);
   for (uint k = 0; k < own; ++k) {
     bool best = is_best(k, n);
     if (by_place) best = number_of(k) == 0;
-    else if (halve) best = candidates[k].axis == axis_to_halve && candidates[k].lefts == n / 2;
+    else if (halve) best = candidates[k].axis == axis_to_halve(node.box, n) && candidates[k].lefts == n / 2;
     if (!best) continue;
     const Candidate c = candidates[k];
     const uint pair = 2 * (begin + c.lefts);
