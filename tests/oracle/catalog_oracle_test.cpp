@@ -11,6 +11,7 @@
 #include "harness/scene/catalog.h"
 #include "harness/scene/open.h"
 #include "harness/scene/procedural.h"
+#include "harness/vulkan/device.h"
 #include "tests/support/test_name.h"
 
 namespace raystudy {
@@ -97,9 +98,11 @@ void check_scene(const Scene& scene) {
   const Oracle oracle(scene);
   ReferenceTracer reference(scene, 2);
   const std::vector<Traced> buffers = workloads(scene, reference);
+  const bool has_device = !vulkan::list_devices().empty();
   for (const TracedAccel& traced : accels(scene)) {
     for (const Registry::Entry* entry : registry.entries()) {
       if (entry->role != Role::tracer || entry->info.accel != traced.accel->kind()) continue;
+      if (entry->info.on_device && !has_device) continue;
       for (const Changes& changes : variants(entry->info)) {
         const MethodRef ref = registry.ref(Role::tracer, entry->info.name, changes);
         for (const Traced& buffer : buffers) {
