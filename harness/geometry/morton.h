@@ -37,7 +37,7 @@ constexpr std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint3
 class MortonGrid {
  public:
   /// `bits` from 2 to 21.
-  MortonGrid(const Box& bounds, int bits) : most_(static_cast<float>((1U << static_cast<unsigned>(bits)) - 1)) {
+  MortonGrid(const Box& bounds, int bits) : last_cell_(static_cast<float>((1U << static_cast<unsigned>(bits)) - 1)) {
     for (int axis = 0; axis < 3; ++axis) {
       half_lower_[axis] = 0.5F * bounds.lower[axis];
       scale_[axis] = cells_per_length(0.5F * bounds.upper[axis] - half_lower_[axis], bits);
@@ -53,8 +53,13 @@ class MortonGrid {
   /// The cell of `p` along `axis`.
   [[nodiscard]] std::uint32_t cell(Vec3 p, int axis) const {
     const float place = (0.5F * p[axis] - half_lower_[axis]) * scale_[axis];
-    return static_cast<std::uint32_t>(place > 0 ? min(most_, place) : 0);
+    return static_cast<std::uint32_t>(place > 0 ? min(last_cell_, place) : 0);
   }
+
+  // What cells are found by.
+  [[nodiscard]] Vec3 half_lower() const { return half_lower_; }
+  [[nodiscard]] Vec3 scale() const { return scale_; }
+  [[nodiscard]] float last_cell() const { return last_cell_; }
 
  private:
   /// 2^bits / h, rounded toward zero.
@@ -68,7 +73,7 @@ class MortonGrid {
     return std::ldexp(static_cast<float>(quotient), bits - (exponent - 150) - 47);
   }
 
-  float most_;
+  float last_cell_;
   Vec3 half_lower_;
   Vec3 scale_;
 };

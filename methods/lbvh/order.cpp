@@ -17,7 +17,7 @@ constexpr std::size_t grain = 8192;
 Box bounds_of(const TriangleBoxes& boxes, std::size_t n, int threads) {
   const std::size_t parts = threads == 1 ? 1 : std::clamp<std::size_t>(n / grain, 1, 4 * static_cast<std::size_t>(threads));
   std::vector<Box> bounds(parts);
-  parallel_for_each(parts, [&](std::size_t part) {
+  parallel_for_each(parts, [&bounds, boxes, n, parts](std::size_t part) {
     WideBox all = WideBox::empty();
     const std::size_t end = n * (part + 1) / parts;
     for (std::size_t t = n * part / parts; t < end; ++t) all = united(all, boxes(static_cast<std::uint32_t>(t)));
@@ -28,7 +28,76 @@ Box bounds_of(const TriangleBoxes& boxes, std::size_t n, int threads) {
   return all;
 }
 
-/// to[i] = the most of from[i] to from[i + width - 1]; from[0] to from[n + width - 2] are there and lost.
+#if HWY_MAX_BYTES >= 32
+/// The codes of MortonGrid from boxes in registers, the axes side by side.
+template <class Code>
+class Coder {
+ public:
+  explicit Coder(const MortonGrid& grid)
+      : half_lower_(lanes(grid.half_lower())), scale_(lanes(grid.scale())), last_(hn::Set(Float4(), grid.last_cell())) {}
+
+  /// The fourth lanes of the box's halves must be 0.
+  [[nodiscard]] Code operator()(const WideBox& box) const {
+    const Float4 d;
+    const auto half = hn::Set(d, 0.5F);
+    const auto center = hn::Sub(hn::Mul(half, box.lower()), hn::Mul(half, box.negated_upper()));
+    const auto place = hn::Mul(hn::Sub(hn::Mul(half, center), half_lower_), scale_);
+    const auto cell = hn::IfThenElseZero(hn::Gt(place, hn::Zero(d)), hn::Min(place, last_));
+    return merged(hn::BitCast(hn::FixedTag<std::uint32_t, 4>(), hn::ConvertTo(topdown::Int4(), cell)));
+  }
+
+ private:
+  static hn::Vec<Float4> lanes(Vec3 v) {
+    alignas(16) const float values[4] = {v.x, v.y, v.z, 0};
+    return hn::Load(Float4(), values);
+  }
+
+  /// morton_code: each step of spread_bits on all axes at once.
+  static Code merged(hn::Vec<hn::FixedTag<std::uint32_t, 4>> cells) {
+    const hn::FixedTag<Code, 4> d;
+    alignas(32) static constexpr Code shifts[4] = {2, 1, 0, 0};
+    hn::Vec<hn::FixedTag<Code, 4>> v;
+    if constexpr (sizeof(Code) == 8) {
+      v = hn::PromoteTo(d, cells);
+      v = spread<32>(v, 0x001f00000000ffffU);
+      v = spread<16>(v, 0x001f0000ff0000ffU);
+      v = spread<8>(v, 0x100f00f00f00f00fU);
+      v = spread<4>(v, 0x10c30c30c30c30c3U);
+      v = spread<2>(v, 0x1249249249249249U);
+    } else {  // of 10 bits
+      v = spread<16>(cells, 0x030000ffU);
+      v = spread<8>(v, 0x0300f00fU);
+      v = spread<4>(v, 0x030c30c3U);
+      v = spread<2>(v, 0x09249249U);
+    }
+    v = hn::Shl(v, hn::Load(d, shifts));
+    const hn::Half<decltype(d)> half;
+    const auto two = hn::Or(hn::LowerHalf(half, v), hn::UpperHalf(half, v));
+    return hn::ExtractLane(two, 0) | hn::ExtractLane(two, 1);
+  }
+
+  template <int by>
+  static auto spread(hn::Vec<hn::FixedTag<Code, 4>> v, Code kept) {
+    return hn::And(hn::Or(v, hn::ShiftLeft<by>(v)), hn::Set(hn::FixedTag<Code, 4>(), kept));
+  }
+
+  hn::Vec<Float4> half_lower_;
+  hn::Vec<Float4> scale_;
+  hn::Vec<Float4> last_;
+};
+#else
+template <class Code>
+class Coder {
+ public:
+  explicit Coder(const MortonGrid& grid) : grid_(grid) {}
+  [[nodiscard]] Code operator()(const WideBox& box) const { return static_cast<Code>(grid_.code(MortonGrid::center(box.box()))); }
+
+ private:
+  MortonGrid grid_;
+};
+#endif
+
+/// Of n + width - 1 values: sets values[i], i < n, to the most of values[i] to values[i + width - 1]. Those behind are lost.
 template <class Most>
 void slide(Gap* values, std::size_t n, std::size_t width, const Most& most) {
   const auto widen = [&](std::size_t by, std::size_t count) {
@@ -95,10 +164,10 @@ std::span<const Code> sort_by_code(const Scene& scene, int morton_bits, int thre
   const MortonGrid grid(bounds_of(boxes, n, threads), morton_bits / 3);
   auto* const items = reinterpret_cast<Keyed<Code>*>(room);
   auto* const codes = reinterpret_cast<Code*>(items + 2 * n);
-  parallel_for_blocks(n, grain, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_for_blocks(n, grain, threads, [boxes, items, code = Coder<Code>(grid)](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto t = static_cast<std::uint32_t>(i);
-      items[i] = {static_cast<Code>(grid.code(MortonGrid::center(boxes(t).box()))), t};
+      items[i] = {code(boxes(t)), t};
     }
   });
   radix_sort(items, items + n, n, morton_bits, threads, [&](std::size_t place, const Keyed<Code>& item) {

@@ -12,7 +12,8 @@ namespace hn = topdown::hn;
 using topdown::Float4;
 using topdown::WideBox;
 
-/// The boxes of a scene's triangles, straight from their vertices: those of BoxRecord::of, bit for bit.
+/// The boxes of a scene's triangles, straight from their vertices: those of BoxRecord::of, bit for bit, with 0 in
+/// the fourth lanes (of the upper bounds -0).
 class TriangleBoxes {
  public:
   explicit TriangleBoxes(const Scene& scene) : triangles_(scene.triangles.data()), vertices_(scene.vertices.data()) {}
@@ -40,8 +41,8 @@ class TriangleBoxes {
 #if HWY_MAX_BYTES >= 32  // has masked loads
     return hn::MaskedLoad(hn::FirstN(d, 3), d, p);
 #else
-    const hn::Half<Float4> half;
-    return hn::Combine(d, hn::LoadU(hn::Half<decltype(half)>(), p + 2), hn::LoadU(half, p));
+    alignas(16) const float lanes[4] = {p[0], p[1], p[2], 0};
+    return hn::Load(d, lanes);
 #endif
   }
 
