@@ -34,20 +34,26 @@ std::vector<double> uniform_times(std::size_t n) {
   return times;
 }
 
-SharedArray<Vec3> positions_at(const Scene& scene, double time) {
+KeyPosition key_position(const Scene& scene, double time) {
   require_time(scene, time);
-  if (scene.frames.empty()) return scene.vertices;
+  if (scene.frames.empty()) return {};
   const double at = time * static_cast<double>(scene.frames.size() - 1);
   // Times of key frames are met in spite of the rounding of i / (n - 1).
   const double nearest = std::round(at);
-  if (std::abs(at - nearest) < 1e-9) return scene.frames[static_cast<std::size_t>(nearest)];
+  if (std::abs(at - nearest) < 1e-9) return {static_cast<std::size_t>(nearest), 0};
   const auto key = static_cast<std::size_t>(at);
-  const auto share = static_cast<float>(at - static_cast<double>(key));
-  const SharedArray<Vec3>& before = scene.frames[key];
-  const SharedArray<Vec3>& after = scene.frames[key + 1];
+  return {key, static_cast<float>(at - static_cast<double>(key))};
+}
+
+SharedArray<Vec3> positions_at(const Scene& scene, double time) {
+  const KeyPosition at = key_position(scene, time);
+  if (scene.frames.empty()) return scene.vertices;
+  if (at.share == 0) return scene.frames[at.key];
+  const SharedArray<Vec3>& before = scene.frames[at.key];
+  const SharedArray<Vec3>& after = scene.frames[at.key + 1];
   std::vector<Vec3> positions(before.size());
   // A vertex at rest stays where it is, exactly.
-  parallel_for_indices(positions.size(), [&](std::size_t v) { positions[v] = before[v] + (after[v] - before[v]) * share; });
+  parallel_for_indices(positions.size(), [&](std::size_t v) { positions[v] = before[v] + (after[v] - before[v]) * at.share; });
   return SharedArray<Vec3>(std::move(positions));
 }
 

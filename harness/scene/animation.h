@@ -15,6 +15,15 @@ namespace raystudy {
 /// n equally spaced times from 0 to 1, both included; for n = 1 time 0. Throws Error for n = 0.
 [[nodiscard]] std::vector<double> uniform_times(std::size_t n);
 
+/// Where a time is: `share` of the way from a key frame to the next one; on the key frame itself where `share` is 0.
+struct KeyPosition {
+  std::size_t key = 0;
+  float share = 0;
+};
+
+/// Throws Error for a time outside [0, 1].
+[[nodiscard]] KeyPosition key_position(const Scene& scene, double time);
+
 /// Positions of all vertices at `time`. At a key frame's time they are its array itself. Throws Error for a time outside [0, 1].
 [[nodiscard]] SharedArray<Vec3> positions_at(const Scene& scene, double time);
 

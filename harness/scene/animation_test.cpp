@@ -41,6 +41,16 @@ TEST(Animation, VerticesMoveInStraightLinesBetweenKeyFrames) {
   EXPECT_EQ(positions_at(scene, 0.75)[1], scene.vertices[1]) << "a vertex at rest";
 }
 
+TEST(Animation, ATimeIsOnAKeyFrameOrBetweenTwo) {
+  const Scene scene = moving();
+  const KeyPosition between = key_position(scene, 0.625);
+  EXPECT_EQ(between.key, 1U);
+  EXPECT_EQ(between.share, 0.25F);
+  const KeyPosition last = key_position(scene, 1);
+  EXPECT_EQ(last.key, 2U);
+  EXPECT_EQ(last.share, 0);
+}
+
 TEST(Animation, KeyFramesAreSharedWhateverTheRoundingOfTheirTime) {
   Scene scene = moving();
   for (int i = 3; i < 50; ++i) scene.frames.push_back(scene.frames[static_cast<std::size_t>(i) % 3]);

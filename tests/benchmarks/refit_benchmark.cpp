@@ -1,7 +1,7 @@
 // Refitting a tree in memory: how near it comes to what the machine can move. Each line gives bytes a second: of a copy of a
 // large block those read and those written; of a refit the nodes read and written, and the positions and indices of the
-// triangles' vertices read, each once. Of terrain, whose tree has one triangle a leaf, from a builder and in other orders in
-// memory.
+// triangles' vertices read, each once; on a Vulkan device, where there is one, by its clock. Of terrain, whose tree has one
+// triangle a leaf, from a builder and in other orders in memory.
 //   refit_benchmark --benchmark_filter='copy|terrain' --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
 
 #include <benchmark/benchmark.h>
@@ -17,6 +17,7 @@
 #include "harness/base/parallel.h"
 #include "harness/method/registry.h"
 #include "harness/scene/open.h"
+#include "methods/vulkan/device_refit.h"
 
 namespace raystudy {
 namespace {
@@ -38,6 +39,11 @@ Input& input(const std::string& order, std::int64_t triangles) {
     if (order != "built") arrange(at->second.bvh, node_order(order), Pages::huge);
   }
   return at->second;
+}
+
+std::int64_t bytes_of(const Input& in) {
+  return static_cast<std::int64_t>(2 * in.bvh.nodes.size() * sizeof(Bvh2Node) + in.bvh.triangles.size() * sizeof(Triangle) +
+                                   in.scene.vertices.size() * sizeof(Vec3));
 }
 
 void copy(benchmark::State& state, int threads) {
@@ -63,9 +69,35 @@ void refit(benchmark::State& state, RefitMethod method, int threads, const std::
     refitter.refit(in.bvh, in.scene.vertices);
     benchmark::ClobberMemory();
   }
-  const std::size_t bytes = 2 * in.bvh.nodes.size() * sizeof(Bvh2Node) + in.bvh.triangles.size() * sizeof(Triangle) +
-                            in.scene.vertices.size() * sizeof(Vec3);
-  state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * bytes));
+  state.SetBytesProcessed(state.iterations() * bytes_of(in));
+}
+
+void refit_on_device(benchmark::State& state, gpu::DeviceRefitMethod method, std::int64_t triangles) {
+  const Input& in = input("built", triangles);
+  vulkan::Device& device = vulkan::Device::shared();
+  const gpu::DeviceRefit refit(device, in.bvh, {in.scene.triangles.data(), in.scene.triangles.size()}, method);
+  const vulkan::Buffer vertices(device, in.scene.vertices.size() * sizeof(Vec3));
+  vulkan::upload(device, vertices.all(), std::span<const Vec3>(in.scene.vertices.data(), in.scene.vertices.size()));
+  for (auto _ : state) {
+    vulkan::Commands commands(device);
+    commands.mark("refit");
+    refit.record(commands, vertices.all());
+    state.SetIterationTime(vulkan::total_seconds(commands.finish()));
+  }
+  state.SetBytesProcessed(state.iterations() * bytes_of(in));
+}
+
+void register_on_device() {
+  if (vulkan::list_devices().empty()) return;
+  for (const std::int64_t triangles : {100'000, 1'000'000}) {
+    for (const auto& [name, method] :
+         {std::pair("atomics", gpu::DeviceRefitMethod::atomics), std::pair("levels", gpu::DeviceRefitMethod::levels)}) {
+      benchmark::RegisterBenchmark(("device-" + std::string(name) + "/terrain/" + std::to_string(triangles)).c_str(),
+                                   refit_on_device, method, triangles)
+          ->Unit(benchmark::kMillisecond)
+          ->UseManualTime();
+    }
+  }
 }
 
 void register_all() {
@@ -93,6 +125,7 @@ void register_all() {
 
 int main(int argc, char** argv) {
   raystudy::register_all();
+  raystudy::register_on_device();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();

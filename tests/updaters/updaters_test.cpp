@@ -5,6 +5,7 @@
 #include "harness/accel/validate.h"
 #include "harness/method/registry.h"
 #include "harness/scene/animation.h"
+#include "harness/vulkan/device.h"
 #include "tests/support/animated.h"
 #include "tests/support/same_tree.h"
 #include "tests/support/test_name.h"
@@ -16,6 +17,12 @@ namespace {
 class EveryUpdater : public testing::TestWithParam<std::string> {
  protected:
   static constexpr std::size_t frame_count = 7;
+
+  void SetUp() override {
+    if (Registry::instance().get(Role::updater, GetParam()).info.on_device && vulkan::list_devices().empty()) {
+      GTEST_SKIP() << "there is no Vulkan device on this machine";
+    }
+  }
 
   [[nodiscard]] static std::unique_ptr<UpdateSession> prepare(const Scene& scene, int threads = 1) {
     const Registry& registry = Registry::instance();
