@@ -42,7 +42,10 @@ Json series_plot(const FigureSpec& figure, const Report& report, std::vector<std
   return panels(figure, scenes, std::move(rows),
                 {{"width", 420},
                  {"height", 300},
-                 {"mark", {{"type", "line"}, {"interpolate", first.x_name == "frame" ? "linear" : "step-after"}}},
+                 {"mark",
+                  {{"type", "line"},
+                   {"interpolate", first.x_name == "seconds" ? "step-after" : "linear"},
+                   {"point", first.x_name == "level"}}},
                  {"encoding", std::move(encoding)}});
 }
 
