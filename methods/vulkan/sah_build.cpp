@@ -76,14 +76,12 @@ struct SmallPush {
 
 std::uint32_t reorder_group(const vulkan::Device& device) { return device.info().type == "cpu" ? 8 : 128; }
 
-std::uint64_t groups_of(std::uint64_t n, std::uint32_t group) { return (n + group - 1) / group; }
-
 /// Most triangles of a node for the small-split kernel, whose candidates are the positions of triangles. 1: there are none.
 std::uint32_t small_of(const SahParams& params) { return std::max(std::min(params.small_split, params.samples), 1U); }
 
 /// The most children of a level: of nodes that are not small, and of those that came from elsewhere, whatever their size.
-std::uint32_t most_children(std::uint32_t n, std::uint32_t small) {
-  return 2 * (n / (small + 1) + 2 * LargeSplits::most_nodes(n) + 1);
+std::uint32_t most_children(std::uint32_t n, std::uint32_t small, std::uint32_t lbvh_levels) {
+  return 2 * (n / (small + 1) + 2 * LargeSplits::most_nodes(n) + (1U << lbvh_levels));
 }
 
 /// Drops the pairs of nodes that are all zeros, and keeps the order of the others.
@@ -110,7 +108,7 @@ void drop_unused(AlignedVector<Bvh2Node>& nodes) {
 
 SahKernels::SahKernels(vulkan::Device& device, const SahParams& params)
     : group(shape_of(device).group),
-      bounds(device.kernel("bounds", {group})),
+      bounds(device.kernel("bounds", {group, shape_of(device).items})),
       begin(device.kernel("sah_begin", {group})),
       split(device.kernel("sah_split", candidate_constants(device, params.samples))),
       reorder(device.kernel("sah_reorder", {reorder_group(device)})),
@@ -125,7 +123,7 @@ SahBuild::SahBuild(vulkan::Device& device, const DeviceScene& scene, const SahPa
       count_(scene.triangle_count()),
       small_(small_of(params)),
       capacity_(std::max(count_ / 2, 1U)),
-      children_count_(most_children(count_, small_)),
+      children_count_(most_children(count_, small_, params.lbvh_levels)),
       sum_(device),
       kernels_(device, params),
       arena_(device, vulkan::Arena::bytes_for({6 * word, capacity_ * word, children_count_ * word, word, count_ * sizeof(Box),
@@ -142,6 +140,7 @@ SahBuild::SahBuild(vulkan::Device& device, const DeviceScene& scene, const SahPa
               .scratch = arena_.take((std::max(count_, children_count_) + 1) * word),
               .sum_room = arena_.take(sum_.room_for(children_count_))} {
   if (count_ > LargeSplits::segment) large_splits_.emplace(device, memory_, params, count_);
+  if (params.lbvh_levels > 0) lbvh_levels_.emplace(device, memory_, params.lbvh_levels, count_);
 }
 
 void SahBuild::begin() {
@@ -152,15 +151,20 @@ void SahBuild::begin() {
   commands.fill(small_count_, 0);
   if (params_.leaves.sah) commands.fill(memory_.nodes, 0);
   commands.barrier();
-  const std::uint64_t groups = groups_of(count_, kernels_.group);
   commands.run(
       kernels_.bounds,
       BoundsPush{scene_.vertices().address(), scene_.triangles().address(), memory_.boxes.address(), bounds_.address(), count_},
-      groups);
+      groups_for(count_, std::uint64_t{kernels_.group} * shape_of(device_).items));
   commands.barrier();
-  commands.run(kernels_.begin, BeginPush{bounds_.address(), memory_.indices.address(), memory_.nodes.address(), count_}, groups);
+  commands.run(kernels_.begin, BeginPush{bounds_.address(), memory_.indices.address(), memory_.nodes.address(), count_},
+               groups_for(count_, kernels_.group));
   finish(commands);
-  add(std::vector<SahNode>{{0, 0, count_}});
+  if (!lbvh_levels_) {
+    add(std::vector<SahNode>{{0, 0, count_}});
+    return;
+  }
+  add(lbvh_levels_->build(bounds_, parts_));
+  lbvh_levels_.reset();  // its memory is free for the levels that have most nodes
 }
 
 void SahBuild::add(std::span<const SahNode> nodes) {
@@ -198,7 +202,7 @@ void SahBuild::record_compaction(vulkan::Commands& commands) {
   commands.mark("Compaction");
   if (!large_.empty()) large_splits_->record_results(commands, large_);
   const std::uint32_t children = 2 * active_;
-  const std::uint64_t groups = groups_of(children, kernels_.group);
+  const std::uint64_t groups = groups_for(children, kernels_.group);
   const vulkan::Slice& places = memory_.scratch;
   commands.run(kernels_.flags,
                FlagsPush{children_.address(), places.address(), queue_.address(), small_count_.address(), children, capacity_},

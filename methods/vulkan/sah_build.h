@@ -10,6 +10,7 @@
 #include "harness/vulkan/commands.h"
 #include "methods/vulkan/device_scene.h"
 #include "methods/vulkan/prefix_sum.h"
+#include "methods/vulkan/sah_hybrid.h"
 #include "methods/vulkan/sah_large.h"
 #include "methods/vulkan/sah_memory.h"
 
@@ -36,7 +37,7 @@ class SahBuild {
   SahBuild(vulkan::Device& device, const DeviceScene& scene, const SahParams& params);
 
   void run();
-  /// "Rest", "SAH split", "Reorder", "Compaction" and "Small splits".
+  /// "Rest", "LBVH", "SAH split", "Reorder", "Compaction" and "Small splits".
   [[nodiscard]] const std::vector<vulkan::PartTime>& parts() const { return parts_; }
   [[nodiscard]] const std::vector<DeviceTimes::Level>& levels() const { return levels_; }
   /// Fetches the tree. The device's has a slot for every pair of children that single triangles would need, in the order in which
@@ -73,6 +74,7 @@ class SahBuild {
   vulkan::Slice small_count_;
   SahMemory memory_;
   std::optional<LargeSplits> large_splits_;
+  std::optional<LbvhLevels> lbvh_levels_;
 
   std::uint32_t active_ = 0;            ///< nodes in the queue
   std::uint32_t small_active_ = 0;      ///< small ones

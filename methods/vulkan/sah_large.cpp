@@ -57,7 +57,7 @@ struct Result {
   std::uint32_t index;
 };
 
-std::uint32_t pieces(std::uint32_t n, std::uint32_t size) { return n / size + (n % size != 0 ? 1 : 0); }
+std::uint32_t pieces(std::uint32_t n, std::uint32_t size) { return static_cast<std::uint32_t>(groups_for(n, size)); }
 
 /// Segments of a node: of either half.
 std::uint32_t segments_of(const SahNode& node) {

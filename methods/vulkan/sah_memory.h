@@ -11,6 +11,7 @@ struct SahParams {
   topdown::LeafPolicy leaves;
   std::uint32_t samples;      ///< candidates an axis
   std::uint32_t small_split;  ///< subtrees of no more triangles are built in one go; 0: none are
+  std::uint32_t lbvh_levels;  ///< first levels that an LBVH makes; 0: none
 
   /// Most triangles of a leaf where the cost decides.
   [[nodiscard]] std::uint32_t max_leaf() const { return leaves.sah ? leaves.max_triangles : 0; }

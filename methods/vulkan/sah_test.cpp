@@ -1,12 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <string>
 
+#include "harness/geometry/morton.h"
 #include "harness/method/registry.h"
 #include "harness/scene/procedural.h"
 #include "harness/vulkan/device.h"
@@ -99,7 +101,8 @@ TEST_F(GpuSah, BuildsSmallSubtreesAsItBuildsLargeOnes) {
 /// What README.md defines, one node after another.
 class Reference {
  public:
-  Reference(const Scene& scene, std::uint32_t samples, std::uint32_t max_leaf) : samples_(samples), max_leaf_(max_leaf) {
+  Reference(const Scene& scene, std::uint32_t samples, std::uint32_t max_leaf, int lbvh_levels = 0)
+      : samples_(samples), max_leaf_(max_leaf) {
     for (const Triangle& triangle : scene.triangles) {
       Box box;
       for (const std::uint32_t v : triangle.vertex) box.extend(scene.vertices[v]);
@@ -108,7 +111,12 @@ class Reference {
     bvh_.nodes.resize(2);
     bvh_.triangles.resize(boxes_.size());
     std::iota(bvh_.triangles.begin(), bvh_.triangles.end(), 0U);
-    split(0, 0, static_cast<std::uint32_t>(boxes_.size()));
+    const auto n = static_cast<std::uint32_t>(boxes_.size());
+    const MortonGrid grid(union_of(0, n), 10);
+    for (const Box& box : boxes_) cells_.push_back(grid.code(MortonGrid::center(box)) >> static_cast<unsigned>(30 - lbvh_levels));
+    std::stable_sort(bvh_.triangles.begin(), bvh_.triangles.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return cells_[a] < cells_[b]; });
+    split(0, 0, n);
   }
   [[nodiscard]] const Bvh2& bvh() const { return bvh_; }
 
@@ -180,6 +188,14 @@ class Reference {
     const Box box = union_of(begin, n);
     bvh_.nodes[node] = {box, begin, n};
     if (n == 1) return;
+    const std::uint64_t first_cell = cells_[bvh_.triangles[begin]];
+    const std::uint64_t differing = first_cell ^ cells_[bvh_.triangles[begin + n - 1]];
+    if (differing != 0) {  // the highest bit
+      std::uint32_t lefts = 1;
+      while (std::bit_width(first_cell ^ cells_[bvh_.triangles[begin + lefts]]) < std::bit_width(differing)) ++lefts;
+      split_at(node, begin, n, lefts);
+      return;
+    }
     const Best best = n > samples_ ? best_sample(begin, n) : best_position(begin, n);
     const CostModel cost;
     const float area = box.half_area();
@@ -192,6 +208,10 @@ class Reference {
           first, first + n, [&](std::uint32_t triangle) { return center(boxes_[triangle], best.axis) <= best.position; });
       lefts = static_cast<std::uint32_t>(middle - first);
     }
+    split_at(node, begin, n, lefts);
+  }
+
+  void split_at(std::uint32_t node, std::uint32_t begin, std::uint32_t n, std::uint32_t lefts) {
     const auto pair = static_cast<std::uint32_t>(bvh_.nodes.size());
     bvh_.nodes.resize(pair + 2);
     bvh_.nodes[node].first = pair;
@@ -203,6 +223,7 @@ class Reference {
   std::uint32_t samples_;
   std::uint32_t max_leaf_;
   std::vector<Box> boxes_;
+  std::vector<std::uint64_t> cells_;
   Bvh2 bvh_;
 };
 
@@ -226,6 +247,18 @@ TEST_F(GpuSah, SplitsWithSeveralWorkgroupsWhatIsLarge) {
   EXPECT_EQ(difference(build("gpu-sah", soup), Reference(soup, 64, 0).bvh()), "");
   const Scene equal = heap(20'001);
   EXPECT_EQ(difference(build("gpu-sah", equal), Reference(equal, 64, 0).bvh()), "");
+}
+
+TEST_F(GpuSah, BeginsAsAnLbvhDoesWhereItIsToldTo) {
+  const Scene soup = make_procedural("soup", 30'000, 1);
+  for (const int levels : {1, 6, 12}) {
+    EXPECT_EQ(difference(build("gpu-sah", soup, {{"lbvh_levels", number(levels)}}), Reference(soup, 64, 0, levels).bvh()), "")
+        << levels;
+  }
+  for (const std::uint32_t n : {1U, 2U, 1000U}) {  // all in one cell
+    const Scene equal = heap(n);
+    EXPECT_EQ(difference(build("gpu-sah", equal, {{"lbvh_levels", number(6)}}), build("gpu-sah", equal)), "") << n;
+  }
 }
 
 TEST_F(GpuSah, IsNearlyAsGoodAsSweepSah) {

@@ -1,6 +1,7 @@
 // One split by the surface area heuristic (Lauterbach 2010, Sec. 5.2.2): every invocation has candidates of its own, all see every
 // triangle of the node, and the least cost wins. README.md defines the candidates.
 #include "methods/vulkan/shaders/scene.glsl"
+#include "methods/vulkan/shaders/morton.glsl"
 
 layout(constant_id = 1) const uint samples = 64;  // candidates an axis
 layout(constant_id = 2) const uint own = 1;       // candidates of an invocation
@@ -20,7 +21,6 @@ struct Candidate {
 };
 Candidate candidates[own];
 
-vec3 center_of(Box box) { return 0.5 * box.lower + 0.5 * box.upper; }
 float along(vec3 v, uint axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 bool goes_left(float center, uint triangle, float position, uint index) {
   return center < position || center == position && triangle <= index;

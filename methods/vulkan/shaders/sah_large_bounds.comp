@@ -28,7 +28,7 @@ void main() {
   vec3 lower = vec3(infinity);
   vec3 upper = vec3(-infinity);
   for (uint i = range.x + lane; i < range.y; i += gl_WorkGroupSize.x) {
-    const vec3 center = center_of(push.boxes.at[push.indices.at[push.begin + i]]);
+    const vec3 center = box_center(push.boxes.at[push.indices.at[push.begin + i]]);
     lower = min(lower, center);
     upper = max(upper, center);
   }

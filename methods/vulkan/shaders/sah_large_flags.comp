@@ -20,7 +20,7 @@ void main() {
   bool left = i < r.lefts;
   if (r.axis != no_axis) {
     const uint triangle = push.indices.at[push.begin + i];
-    left = goes_left(along(center_of(push.boxes.at[triangle]), r.axis), triangle, r.position, r.index);
+    left = goes_left(along(box_center(push.boxes.at[triangle]), r.axis), triangle, r.position, r.index);
   }
   push.flags.at[push.begin + i] = left ? 1 : 0;
 }

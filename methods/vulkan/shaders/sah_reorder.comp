@@ -26,7 +26,7 @@ void reorder(uint begin, uint n, uint axis, float position, uint index) {
   for (uint tile = 0; tile < n; tile += gl_WorkGroupSize.x) {
     const uint i = tile + lane;
     const uint triangle = i < n ? push.indices.at[begin + i] : 0;
-    const bool left = i < n && goes_left(along(center_of(push.boxes.at[triangle]), axis), triangle, position, index);
+    const bool left = i < n && goes_left(along(box_center(push.boxes.at[triangle]), axis), triangle, position, index);
     uint total;
     const uint rank = sum_before(left ? 1 : 0, total);
     if (left) push.indices.at[begin + lefts + rank] = triangle;
@@ -56,7 +56,7 @@ void main() {
   const uint axis = decision & 3;
   if (axis != no_axis) {
     const bool at = (decision & at_triangle) != 0;
-    const float position = at ? along(center_of(push.boxes.at[where]), axis) : uintBitsToFloat(where);
+    const float position = at ? along(box_center(push.boxes.at[where]), axis) : uintBitsToFloat(where);
     reorder(begin, lefts + rights, axis, position, at ? where : ~0u);
   }
   if (lane == 0) {

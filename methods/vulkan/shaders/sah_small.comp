@@ -49,9 +49,9 @@ void make_children(uint begin, Place p, uint k, uint lane) {
 }
 
 void test_node(Place p, uint lane) {
-  const vec3 center = center_of(p.box);
+  const vec3 center = box_center(p.box);
   for (uint k = 0; k < own; ++k) set_candidate(k, k, along(center, k), p.triangle);
-  for (uint j = p.first; j < p.first + p.count; ++j) test(places[j].box, center_of(places[j].box), places[j].triangle);
+  for (uint j = p.first; j < p.first + p.count; ++j) test(places[j].box, box_center(places[j].box), places[j].triangle);
   for (uint k = 0; k < own; ++k) {
     set_cost(k, p.count);
     if (candidates[k].cost < infinity) atomicMin(least_cost[p.first], floatBitsToUint(candidates[k].cost));
@@ -81,7 +81,7 @@ void split_node(uint begin, Place p, uint lane) {
 }
 
 bool place_goes_left(uint place, uint axis, Place splitter) {
-  return goes_left(along(center_of(places[place].box), axis), places[place].triangle, along(center_of(splitter.box), axis),
+  return goes_left(along(box_center(places[place].box), axis), places[place].triangle, along(box_center(splitter.box), axis),
                    splitter.triangle);
 }
 

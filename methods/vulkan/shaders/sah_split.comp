@@ -29,7 +29,7 @@ void set_samples(uint begin, uint n) {
   vec3 lower = vec3(infinity);
   vec3 upper = vec3(-infinity);
   for (uint i = lane; i < n; i += gl_WorkGroupSize.x) {
-    const vec3 center = center_of(push.boxes.at[push.indices.at[begin + i]]);
+    const vec3 center = box_center(push.boxes.at[push.indices.at[begin + i]]);
     lower = min(lower, center);
     upper = max(upper, center);
   }
@@ -52,7 +52,7 @@ void set_positions(uint begin, uint n) {
     set_candidate(k, no_axis, 0, 0);
     if (axis >= no_axis || i >= n) continue;
     const uint index = push.indices.at[begin + i];
-    set_candidate(k, axis, along(center_of(push.boxes.at[index]), axis), index);
+    set_candidate(k, axis, along(box_center(push.boxes.at[index]), axis), index);
   }
 }
 

@@ -14,6 +14,6 @@ void test_tiles(Boxes boxes, Uints indices, uint begin, uint n, bool by_place) {
     }
     barrier();
     const uint size = min(n - tile, gl_WorkGroupSize.x);
-    for (uint i = 0; i < size; ++i) test(tile_boxes[i], by_place ? vec3(0) : center_of(tile_boxes[i]), tile_indices[i]);
+    for (uint i = 0; i < size; ++i) test(tile_boxes[i], by_place ? vec3(0) : box_center(tile_boxes[i]), tile_indices[i]);
   }
 }
