@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstring>
 #include <stdexcept>
 
@@ -20,18 +21,23 @@ struct NodeVectors {
 };
 static_assert(sizeof(NodeVectors) == sizeof(Bvh2Node));
 
+// Each vector is moved by itself: a node written in two halves and read as a whole, in one go, would stall the processor, which
+// forwards no two stores to one load.
 NodeVectors load(const Bvh2Node& node) {
+  const auto* const from = reinterpret_cast<const std::byte*>(&node);
   NodeVectors v;
-  std::memcpy(&v, &node, sizeof v);
+  std::memcpy(&v.low, from, sizeof v.low);
+  std::memcpy(&v.high, from + sizeof v.low, sizeof v.high);
   return v;
 }
 
 /// Gives `node` the bounds in `low` and `high`; its links stay.
 void store_box(Bvh2Node& node, Float4 low, Float4 high) {
-  NodeVectors v = load(node);
-  v.low = low;
-  v.high = __builtin_shufflevector(high, v.high, 0, 1, 6, 7);
-  std::memcpy(static_cast<void*>(&node), &v, sizeof v);
+  auto* const to = reinterpret_cast<std::byte*>(&node);
+  const Float4 links = load(node).high;
+  const Float4 high_and_links = __builtin_shufflevector(high, links, 0, 1, 6, 7);
+  std::memcpy(to, &low, sizeof low);
+  std::memcpy(to + sizeof low, &high_and_links, sizeof high_and_links);
 }
 
 Float4 min(Float4 a, Float4 b) { return b < a ? b : a; }
@@ -130,14 +136,24 @@ void for_each_bit(std::uint64_t bits, const F& f) {
   }
 }
 
+/// Asks for the pairs of 64 nodes that come two such words later in a sweep: early enough for memory, late enough for the cache.
+template <class NodeAt>
+void prefetch_word(const Pass& pass, std::size_t word, const NodeAt& node_at) {
+  constexpr std::size_t ahead = 2;
+  if (word < ahead) return;
+  const std::size_t first = 64 * (word - ahead);
+  for (std::size_t slot = first; slot < first + 64; slot += 2) __builtin_prefetch(pass.nodes + node_at(slot), 1);
+}
+
 /// The nodes of the pairs at [begin, end) of the depth-first order from the last on, 64 at a time: first their leaves, then their
-/// inner nodes, so that the processor need not guess which a node is. Memory is read in one direction, which it foresees; what it
-/// cannot are the vertices. `node_at` gives the node in slot 2 · place + side.
+/// inner nodes, so that the processor need not guess which a node is, nor foresee which nodes and vertices come next. `node_at`
+/// gives the node in slot 2 · place + side.
 template <class NodeAt>
 void sweep(const Pass& pass, std::span<const std::uint64_t> leaves, std::size_t begin, std::size_t end, const NodeAt& node_at) {
   for (std::size_t slots_end = 2 * end; slots_end > 2 * begin;) {
     const std::size_t word = (slots_end - 1) / 64;
     const std::size_t slots_begin = std::max(64 * word, 2 * begin);
+    prefetch_word(pass, word, node_at);
     std::uint64_t used = (~std::uint64_t{0} >> (64 * (word + 1) - slots_end)) & (~std::uint64_t{0} << (slots_begin - 64 * word));
     for_each_bit(leaves[word] & used, [&](std::size_t bit) {
       Bvh2Node& node = pass.nodes[node_at(64 * word + bit)];
