@@ -20,16 +20,17 @@ struct ApetreiPush {
 }  // namespace
 
 void record_apetrei(vulkan::Device& device, vulkan::Commands& commands, const LbvhLeaves& leaves, const ApetreiOutput& output) {
-  const std::uint32_t group = shape_of(device).climb_group;
+  const DeviceShape shape = shape_of(device);
   const MortonOrder& order = leaves.order();
   const bool treelets = output.least_depth > 0;
   commands.fill(output.ends.part(0, leaves.count() * sizeof(std::uint32_t)), ~0U);
   commands.barrier();
-  commands.run(device.kernel("lbvh_apetrei", {group, 0, leaves.one_a_leaf() ? 1U : 0U, output.least_depth}),
-               ApetreiPush{order.boxes().address(), order.order().address(), leaves.first(), leaves.depths(),
-                           output.nodes.address(), output.ends.address(), treelets ? output.roots.address() : 0,
-                           treelets ? output.treelets.address() : 0, leaves.count()},
-               groups_for(leaves.count(), group));
+  commands.run(
+      device.kernel("lbvh_apetrei", {shape.group, 0, leaves.one_a_leaf() ? 1U : 0U, output.least_depth, shape.fences ? 1U : 0U}),
+      ApetreiPush{order.boxes().address(), order.order().address(), leaves.first(), leaves.depths(), output.nodes.address(),
+                  output.ends.address(), treelets ? output.roots.address() : 0, treelets ? output.treelets.address() : 0,
+                  leaves.count()},
+      groups_for(leaves.count(), shape.group));
   commands.barrier();
 }
 

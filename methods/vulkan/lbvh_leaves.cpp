@@ -17,14 +17,28 @@ struct DepthsPush {
 };
 struct KeepPush {
   std::uint64_t depths;
-  std::uint64_t kept;
+  std::uint64_t masks;
+  std::uint64_t counts;
+  std::uint32_t count;
+};
+struct LeavesPush {
+  std::uint64_t masks;
+  std::uint64_t ranks;
+  std::uint64_t depths;
+  std::uint64_t leaf_first;
+  std::uint64_t leaf_depths;
   std::uint32_t count;
 };
 
 constexpr std::size_t word = sizeof(std::uint32_t);
+constexpr std::uint32_t places = 8;  // of a mask: shaders/places.glsl
+
+std::uint32_t masks_of(std::uint32_t n) { return static_cast<std::uint32_t>(groups_for(n, places)); }
 
 std::size_t room_of(const PrefixSum& sum, std::uint32_t n, bool one_a_leaf) {
-  return one_a_leaf ? 0 : vulkan::Arena::bytes_for({(std::size_t{n} + 1) * word, n * word, sum.room_for(n)});
+  if (one_a_leaf) return 0;
+  const std::size_t masks = masks_of(n);
+  return vulkan::Arena::bytes_for({(std::size_t{n} + 1) * word, n * word, masks * word, (masks + 1) * word, sum.room_for(masks)});
 }
 
 }  // namespace
@@ -48,7 +62,9 @@ LbvhLeaves::LbvhLeaves(vulkan::Device& device, const MortonOrder& order, std::ui
   if (one_a_leaf_) return;
   first_ = arena_.take((std::size_t{count_} + 1) * word);
   depths_ = arena_.take(count_ * word);
-  sum_room_ = arena_.take(sum_.room_for(count_));
+  masks_ = arena_.take(masks_of(count_) * word);
+  ranks_ = arena_.take((masks_of(count_) + 1) * word);
+  sum_room_ = arena_.take(sum_.room_for(masks_of(count_)));
 }
 
 void LbvhLeaves::find(std::vector<vulkan::PartTime>& parts) {
@@ -56,23 +72,24 @@ void LbvhLeaves::find(std::vector<vulkan::PartTime>& parts) {
   const std::uint32_t n = order_.count();
   const std::uint64_t depths = order_.first_room().address();
   const std::uint64_t high = order_.two_words() ? order_.high().address() : 0;
-  const vulkan::Slice& ranks = order_.second_room();
   vulkan::Commands commands(device_);
   commands.mark("leaves");
   commands.run(device_.kernel("lbvh_depths", {shape.group, shape.items, 0, order_.two_words() ? 1U : 0U}),
                DepthsPush{order_.low().address(), high, depths, n}, groups_for(n, shape.group * shape.items));
   commands.barrier();
   if (!one_a_leaf_) {
+    const std::uint32_t masks = masks_of(n);
+    const std::uint64_t groups = groups_for(masks, shape.group);
     commands.run(device_.kernel("lbvh_keep", {shape.group, max_leaf_triangles_, least_depth_}),
-                 KeepPush{depths, ranks.address(), n}, groups_for(n, shape.group));
+                 KeepPush{depths, masks_.address(), ranks_.address(), n}, groups);
     commands.barrier();
-    sum_.record(commands, ranks, n, sum_room_);
-    commands.run(device_.kernel("ranges", {shape.group}),
-                 RangesPush{ranks.address(), depths, first_.address(), depths_.address(), n}, groups_for(n, shape.group));
+    sum_.record(commands, ranks_, masks, sum_room_);
+    commands.run(device_.kernel("lbvh_leaves", {shape.group}),
+                 LeavesPush{masks_.address(), ranks_.address(), depths, first_.address(), depths_.address(), n}, groups);
     commands.barrier();
   }
   add_parts(parts, commands.finish());
-  if (!one_a_leaf_) count_ = read_word(device_, ranks, n) + 1;
+  if (!one_a_leaf_) count_ = read_word(device_, ranks_, masks_of(n)) + 1;
 }
 
 }  // namespace raystudy::gpu

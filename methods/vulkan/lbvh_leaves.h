@@ -38,21 +38,14 @@ class LbvhLeaves {
   vulkan::Arena arena_;
   vulkan::Slice first_;
   vulkan::Slice depths_;
+  vulkan::Slice masks_;  ///< of the places behind which leaves end
+  vulkan::Slice ranks_;  ///< of the masks: how many leaves end before
   vulkan::Slice sum_room_;
 };
 
 /// The depth of splits between codes of `bits` bits that have their first `prefix` bits in common, or more; splits less deep part
 /// codes that have not.
 [[nodiscard]] inline std::uint32_t depth_of_prefix(std::uint32_t bits, std::uint32_t prefix) { return 64 - bits + prefix; }
-
-/// Push constants of shaders/ranges.comp.
-struct RangesPush {
-  std::uint64_t ranks;
-  std::uint64_t depths;
-  std::uint64_t first;
-  std::uint64_t first_depths;
-  std::uint32_t count;
-};
 
 /// One of the words that a device has.
 [[nodiscard]] std::uint32_t read_word(vulkan::Device& device, const vulkan::Slice& words, std::size_t index);

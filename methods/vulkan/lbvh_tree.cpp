@@ -47,10 +47,10 @@ void LbvhTree::record_karras(vulkan::Commands& commands) const {
                groups_for(leaves_.count(), shape.group));
   commands.barrier();
   commands.mark("boxes");
-  commands.run(device_.kernel("lbvh_boxes", {shape.climb_group, 0, one_a_leaf}),
+  commands.run(device_.kernel("lbvh_boxes", {shape.group, 0, one_a_leaf, 0, shape.fences ? 1U : 0U}),
                BoxesPush{order.boxes().address(), order.order().address(), leaves_.first(), leaves_.depths(), slots_.address(),
                          nodes_.address(), order.second_room().address(), leaves_.count()},
-               groups_for(leaves_.count(), shape.climb_group));
+               groups_for(leaves_.count(), shape.group));
 }
 
 void LbvhTree::build(std::vector<vulkan::PartTime>& parts) {

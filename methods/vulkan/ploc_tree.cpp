@@ -88,8 +88,9 @@ PlocTree::PlocTree(vulkan::Device& device, const MortonOrder& order, std::uint32
 void PlocTree::record_round(vulkan::Commands& commands, std::uint32_t count, std::uint32_t merges) const {
   const DeviceShape shape = shape_of(device_);
   commands.mark("nearest");
-  commands.run(device_.kernel("ploc_nearest", {shape.scan_group, shape.scan_group + 2 * radius_}),
-               NearestPush{clusters_.boxes.address(), nearest_.address(), count, radius_}, groups_for(count, shape.scan_group));
+  const std::uint32_t group_clusters = shape.scan_group * shape.clusters;
+  commands.run(device_.kernel("ploc_nearest", {shape.scan_group, group_clusters + 2 * radius_, shape.clusters}),
+               NearestPush{clusters_.boxes.address(), nearest_.address(), count, radius_}, groups_for(count, group_clusters));
   commands.barrier();
   commands.mark("merge");
   commands.run(device_.kernel("ploc_pairs", {shape.group}), PairsPush{nearest_.address(), marks_.address(), count},

@@ -44,9 +44,11 @@ class RadixSort {
 
   void add_digits(vulkan::Device& device, const DeviceShape& shape, std::uint32_t first_bit, std::uint32_t end_bit, bool high,
                   bool two_words);
+  /// Items of a tile, and how many tiles there are, of n items.
+  [[nodiscard]] std::uint32_t tile_of(std::uint32_t n) const;
   [[nodiscard]] std::uint32_t tiles_of(std::uint32_t n) const;
 
-  std::uint32_t tile_;
+  DeviceShape shape_;
   PrefixSum sum_;
   std::vector<Digit> digits_;
 };

@@ -32,9 +32,7 @@ Words read(const Slice& slice, std::size_t n) {
 }
 
 /// As the device likes it, as GPUs do, and small.
-std::vector<DeviceShape> shapes() {
-  return {shape_of(Device::shared()), {128, 128, 1, 128, 16, 128, 16, 4}, {8, 8, 1, 32, 2, 32, 3, 5}};
-}
+std::vector<DeviceShape> shapes() { return {shape_of(Device::shared()), gpu_shape(), {8, 1, 32, 2, 1, false, 32, 3, 5, true}}; }
 
 void check_sums(const DeviceShape& shape, std::uint32_t n) {
   Device& device = Device::shared();

@@ -10,9 +10,15 @@
 namespace raystudy::gpu {
 namespace {
 
-struct KeepPush {
+struct EndsPush {
   std::uint64_t depths;
-  std::uint64_t kept;
+  std::uint64_t flags;
+  std::uint32_t count;
+  std::uint32_t least_depth;
+};
+struct RangesPush {
+  std::uint64_t ranks;
+  std::uint64_t first;
   std::uint32_t count;
 };
 struct BeginPush {
@@ -115,13 +121,11 @@ void TreeletTree::find_treelets(std::vector<vulkan::PartTime>& parts) {
   const std::uint32_t n = leaves_.count();
   vulkan::Commands commands(device_);
   commands.mark("treelets");
-  commands.run(device_.kernel("lbvh_keep", {shape.group, 0, least_depth_}), KeepPush{leaves_.depths(), treelet_of_.address(), n},
+  commands.run(device_.kernel("treelets_ends", {shape.group}), EndsPush{leaves_.depths(), treelet_of_.address(), n, least_depth_},
                groups_for(n, shape.group));
   commands.barrier();
   sum_.record(commands, treelet_of_, n, sum_room_);
-  // The depths between treelets are of no use: they go to a room that is written to later.
-  commands.run(device_.kernel("ranges", {shape.group}),
-               RangesPush{treelet_of_.address(), leaves_.depths(), treelet_first_.address(), ends_.address(), n},
+  commands.run(device_.kernel("treelets_ranges", {shape.group}), RangesPush{treelet_of_.address(), treelet_first_.address(), n},
                groups_for(n, shape.group));
   commands.barrier();
   add_parts(parts, commands.finish());

@@ -8,6 +8,7 @@
 // two splits beside it. Of the invocations that come up to a node the first leaves where its range ends and stops, the second goes
 // on with the node.
 layout(constant_id = 3) const uint least_depth = 0;  // splits less deep are those between treelets
+layout(constant_id = 4) const bool fences = true;  // device_shape.h
 
 layout(buffer_reference, scalar, buffer_reference_align = 32) coherent buffer SharedNodes { Node at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Ends { uint at[]; };
@@ -45,10 +46,10 @@ void main() {
     const uint split = left ? last : first - 1;
     const uint slot = left ? left_slot(last) : right_slot(first);
     push.nodes.at[slot] = node;
-    memoryBarrierBuffer();
+    if (fences) memoryBarrierBuffer();
     const uint end = atomicExchange(push.ends.at[split], left ? first : last);
     if (end == ~0u) return;
-    memoryBarrierBuffer();
+    if (fences) memoryBarrierBuffer();
     const Box sibling = push.nodes.at[slot ^ 1].box;
     if (left) {
       last = end;

@@ -6,6 +6,8 @@
 
 // Leaves, and the boxes above them, from the leaves up (Karras 2012): of the two invocations that come up to a node the first stops,
 // the second unites the children's boxes.
+layout(constant_id = 4) const bool fences = true;  // device_shape.h
+
 layout(buffer_reference, scalar, buffer_reference_align = 32) coherent buffer SharedNodes { Node at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Arrivals { uint at[]; };
 
@@ -34,11 +36,11 @@ void main() {
   Box box = node.box;
   bool climbs = slot != 0;
   while (climbs) {
-    memoryBarrierBuffer();
+    if (fences) memoryBarrierBuffer();
     const uint split = slot / 2 - 1;
     climbs = atomicExchange(push.arrivals.at[split], 0) == 0;
     if (climbs) {
-      memoryBarrierBuffer();
+      if (fences) memoryBarrierBuffer();
       const Box sibling = push.nodes.at[slot ^ 1].box;
       box = (slot & 1) == 0 ? united(box, sibling) : united(sibling, box);
       slot = push.slots.at[split];

@@ -1,33 +1,47 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "methods/vulkan/shaders/scene.glsl"
+#include "methods/vulkan/shaders/places.glsl"
 
-// 1 for each place behind which leaves are parted, 0 for all others: where a node of more than max_leaf triangles is split, and
-// where the split is less deep than least_depth. A node's range ends, to either side, before the first split that is less deep
-// than its own. With max_leaf 0 nodes do not count.
+// Behind which places leaves are parted: where a node of more than max_leaf triangles is split, and where the split is less deep
+// than least_depth. A node has more than max_leaf triangles if it has max_leaf splits in a row among which its own is the least
+// deep; so the splits that are kept are those that are the least deep of any so many in a row. An invocation looks at a few places
+// that stand together, in registers. Depths are never equal in a row without a lesser one between.
 layout(constant_id = 1) const uint max_leaf = 1;
 layout(constant_id = 2) const uint least_depth = 0;
 
 layout(push_constant, scalar) uniform Push {
   Uints depths;
-  Uints kept;
+  Uints masks;
+  Uints counts;
   uint count;
 } push;
 
+const uint reach = max_leaf - 1;
+
 void main() {
-  const uint p = invocation_index();
-  if (p >= push.count) return;
-  if (p == push.count - 1) {
-    push.kept.at[p] = 0;
-    return;
+  const uint group = invocation_index();
+  const uint begin = group * places;
+  if (begin >= push.count) return;
+  int depth[places + 2 * reach];
+  int least[places + reach];
+  [[unroll]] for (uint k = 0; k < places + 2 * reach; ++k) {
+    const int i = int(begin + k) - int(reach);
+    depth[k] = i >= 0 && i < int(push.count) - 1 ? int(push.depths.at[i]) : -1;
   }
-  const uint depth = push.depths.at[p];
-  bool kept = depth < least_depth;
-  if (!kept && max_leaf > 0) {
-    uint size = 2;
-    for (uint i = p; i > 0 && size <= max_leaf && push.depths.at[i - 1] > depth; --i) ++size;
-    for (uint i = p + 1; i < push.count - 1 && size <= max_leaf && push.depths.at[i] > depth; ++i) ++size;
-    kept = size > max_leaf;
+  [[unroll]] for (uint k = 0; k < places + reach; ++k) {
+    int l = depth[k];
+    [[unroll]] for (uint j = 1; j < max_leaf; ++j) l = min(l, depth[k + j]);
+    least[k] = l;
   }
-  push.kept.at[p] = kept ? 1 : 0;
+  uint mask = 0;
+  [[unroll]] for (uint k = 0; k < places; ++k) {
+    int most = least[k];
+    [[unroll]] for (uint j = 1; j < max_leaf; ++j) most = max(most, least[k + j]);
+    const int own = depth[k + reach];
+    if (own >= 0 && (own == most || own < int(least_depth))) mask |= 1u << k;
+  }
+  push.masks.at[group] = mask;
+  push.counts.at[group] = bitCount(mask);
 }

@@ -9,6 +9,7 @@ layout(push_constant, scalar) uniform Push {
   Uints counts;
   uint count;
   uint tiles;
+  uint tile_items;  // those of the workgroup
   uint shift;
 } push;
 

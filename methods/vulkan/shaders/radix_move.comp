@@ -19,6 +19,7 @@ layout(push_constant, scalar) uniform Push {
   Uints starts;  // [digit][tile]: where the first goes
   uint count;
   uint tiles;
+  uint tile_items;  // those of the workgroup
   uint shift;
   uint high;  // whether the digit is in the high word
 } push;

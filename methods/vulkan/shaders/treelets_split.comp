@@ -32,9 +32,12 @@ shared uint bin_bounds[3 * bins * 6];
 shared uint bin_treelets[3 * bins];
 shared uint bin_leaves[3 * bins];
 shared uint bin_triangles[3 * bins];
-shared float costs[gl_WorkGroupSize.x];
-shared uint splits[gl_WorkGroupSize.x];
-// Of the left side.
+shared float right_costs[3 * bins];
+shared float axis_costs[3];
+shared uint axis_splits[3];
+shared uint node_bounds[6];
+// Of the left side, by the best split of each axis, and by that which is taken.
+shared uint axis_left[3][3];
 shared uint left_treelets;
 shared uint left_leaves;
 shared uint left_triangles;
@@ -102,22 +105,20 @@ void fill_bins(Task task) {
   barrier();
 }
 
-// What is in the bins begin to end of an axis.
-Side side_of(uint axis, uint begin, uint end) {
-  Side side = Side(uint[6](~0u, ~0u, ~0u, 0, 0, 0), 0, 0, 0);
-  for (uint b = axis * bins + begin; b < axis * bins + end; ++b) {
-    for (uint k = 0; k < 3; ++k) {
-      side.bounds[k] = min(side.bounds[k], bin_bounds[6 * b + k]);
-      side.bounds[3 + k] = max(side.bounds[3 + k], bin_bounds[6 * b + 3 + k]);
-    }
-    side.treelets += bin_treelets[b];
-    side.leaves += bin_leaves[b];
-    side.triangles += bin_triangles[b];
+Side add_bin(Side side, uint b) {
+  for (uint k = 0; k < 3; ++k) {
+    side.bounds[k] = min(side.bounds[k], bin_bounds[6 * b + k]);
+    side.bounds[3 + k] = max(side.bounds[3 + k], bin_bounds[6 * b + 3 + k]);
   }
+  side.treelets += bin_treelets[b];
+  side.leaves += bin_leaves[b];
+  side.triangles += bin_triangles[b];
   return side;
 }
 
+// Infinite where there are no treelets.
 float cost_of(Side side) {
+  if (side.treelets == 0) return uintBitsToFloat(0x7f800000u);
   vec3 e;
   for (uint k = 0; k < 3; ++k) e[k] = from_sortable(side.bounds[3 + k]) - from_sortable(side.bounds[k]);
   precise const float area = (e.x * e.y + e.y * e.z) + e.z * e.x;
@@ -125,44 +126,49 @@ float cost_of(Side side) {
   return cost;
 }
 
-// The number of the split that costs least, of equal ones the first; no_split where none counts. Split axis · (bins - 1) + j is
-// behind bin j.
-uint best_split() {
-  const uint lane = gl_LocalInvocationID.x;
+// Sweeps over the bins of an axis, from right to left, then from left to right, for the split that costs least, of equal ones the
+// first; no_split where none counts. Split axis · (bins - 1) + j is behind bin j.
+void sweep(uint axis) {
+  const Side nothing = Side(uint[6](~0u, ~0u, ~0u, 0, 0, 0), 0, 0, 0);
+  Side right = nothing;
+  for (uint j = bins - 1; j > 0; --j) {
+    right = add_bin(right, axis * bins + j);
+    right_costs[axis * bins + j] = cost_of(right);
+  }
+  Side left = nothing;
   float least = uintBitsToFloat(0x7f800000u);
   uint best = no_split;
-  for (uint s = lane; s < no_split; s += gl_WorkGroupSize.x) {
-    const uint axis = s / (bins - 1);
-    const uint end = s % (bins - 1) + 1;
-    const Side left = side_of(axis, 0, end);
-    const Side right = side_of(axis, end, bins);
-    if (left.treelets == 0 || right.treelets == 0) continue;
-    precise const float cost = cost_of(left) + cost_of(right);
+  for (uint j = 0; j + 1 < bins; ++j) {
+    left = add_bin(left, axis * bins + j);
+    precise const float cost = cost_of(left) + right_costs[axis * bins + j + 1];
     if (!(cost < least)) continue;  // neither where it is no number
     least = cost;
-    best = s;
+    best = axis * (bins - 1) + j;
+    axis_left[axis][0] = left.treelets;
+    axis_left[axis][1] = left.leaves;
+    axis_left[axis][2] = left.triangles;
   }
-  costs[lane] = least;
-  splits[lane] = best;
-  barrier();
-  for (uint other = 0; other < gl_WorkGroupSize.x; ++other) {
-    if (costs[other] < least || (costs[other] == least && splits[other] < best)) {
-      least = costs[other];
-      best = splits[other];
-    }
-  }
-  return best;
+  axis_costs[axis] = least;
+  axis_splits[axis] = best;
+  left = add_bin(left, axis * bins + bins - 1);
+  if (axis == 0) node_bounds = left.bounds;
 }
 
-void count_left(Task task, uint split) {
+// The best of the three axes; without any the first half of the treelets goes left.
+uint best_split(Task task) {
   const uint lane = gl_LocalInvocationID.x;
+  for (uint axis = lane; axis < 3; axis += gl_WorkGroupSize.x) sweep(axis);
+  barrier();
+  uint best = 0;
+  for (uint axis = 1; axis < 3; ++axis) {
+    if (axis_costs[axis] < axis_costs[best]) best = axis;
+  }
+  const uint split = axis_splits[best];
   const uint half_count = (task.end - task.begin) / 2;
   if (lane == 0) {
-    Side left = Side(uint[6](0, 0, 0, 0, 0, 0), half_count, 0, 0);
-    if (split != no_split) left = side_of(split / (bins - 1), 0, split % (bins - 1) + 1);
-    left_treelets = left.treelets;
-    left_leaves = left.leaves;
-    left_triangles = left.triangles;
+    left_treelets = split == no_split ? half_count : axis_left[best][0];
+    left_leaves = split == no_split ? 0 : axis_left[best][1];
+    left_triangles = split == no_split ? 0 : axis_left[best][2];
   }
   barrier();
   if (split == no_split) {
@@ -172,6 +178,7 @@ void count_left(Task task, uint split) {
     }
   }
   barrier();
+  return split;
 }
 
 bool goes_left(Task task, uint split, uint i) {
@@ -211,19 +218,17 @@ void main() {
     find_grid(task);
     barrier();
     fill_bins(task);
-    const uint split = best_split();
-    count_left(task, split);
+    const uint split = best_split(task);
     const uint children = 2 * (task.leaf + left_leaves);
     const uint middle = task.begin + left_treelets;
     const Task left = Task(children, task.begin, middle, task.leaf, task.triangle);
     const Task right = Task(children + 1, middle, task.end, task.leaf + left_leaves, task.triangle + left_triangles);
     move(task, split, left, right);
     if (gl_LocalInvocationID.x == 0) {
-      const Side all = side_of(0, 0, bins);
       Box box;
       for (uint k = 0; k < 3; ++k) {
-        box.lower[k] = from_sortable(all.bounds[k]);
-        box.upper[k] = from_sortable(all.bounds[3 + k]);
+        box.lower[k] = from_sortable(node_bounds[k]);
+        box.upper[k] = from_sortable(node_bounds[3 + k]);
       }
       push.nodes.at[task.slot] = Node(box, children, 0);
       add_task(left);
