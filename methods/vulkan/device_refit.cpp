@@ -118,8 +118,9 @@ DeviceRefit::DeviceRefit(vulkan::Device& device, const Bvh2& bvh, std::span<cons
       parents_(arena_.take(bytes_of(form.parents))),
       arrivals_(arena_.take(bytes_of(form.parents))),
       level_ends_(form.level_ends),
-      group_(method == DeviceRefitMethod::atomics ? shape_of(device).climb_group : shape_of(device).group),
-      kernel_(device.kernel(method == DeviceRefitMethod::atomics ? "refit_climb" : "refit_level", {group_})) {
+      group_(shape_of(device).group),
+      kernel_(device.kernel(method == DeviceRefitMethod::atomics ? "refit_climb" : "refit_level",
+                            {group_, shape_of(device).fences ? 1U : 0U})) {
   std::vector<Triangle> corners;
   corners.reserve(bvh.triangles.size());
   for (const std::uint32_t t : bvh.triangles) corners.push_back(triangles[t]);
