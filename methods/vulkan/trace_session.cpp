@@ -49,7 +49,7 @@ struct GpuTraceSession::TracePush {
 TraceShape trace_shape_of(const vulkan::Device& device) {
   // llvmpipe (Mesa 22.3) ends loops, silently, after 65535 iterations of all loops of a subgroup. On a GPU the limit keeps
   // dispatches short.
-  if (device.info().type == "cpu") return {8, false, 256, false, 32, 65535 / device.info().subgroup_size - 64};
+  if (device.info().type == "cpu") return {64, false, 64, false, 64, 65535 / device.info().subgroup_size - 64};
   return {128, false, 1024, true, 8, 1U << 18U};
 }
 
@@ -98,9 +98,10 @@ const GpuTraceSession::Buffers& GpuTraceSession::buffers_for(std::size_t rays, b
 
 const vulkan::Kernel& GpuTraceSession::kernel(Query query, bool counting, bool long_rays) {
   const TraceShape& shape = shape_;
-  return device_.kernel("trace", {shape.group, query == Query::any_hit ? 1U : 0U, counting ? 1U : 0U,
-                                  !long_rays && shape.persistent ? 1U : 0U, !long_rays && shape.shared_stack ? 1U : 0U,
-                                  long_rays ? 0 : shape.stack_entries, shape.step_limit, long_rays ? 1U : 0U});
+  return device_.kernel(
+      "trace", {shape.group, query == Query::any_hit ? 1U : 0U, counting ? 1U : 0U, !long_rays && shape.persistent ? 1U : 0U,
+                !long_rays && shape.shared_stack ? 1U : 0U, long_rays ? 0 : shape.stack_entries, shape.step_limit,
+                long_rays ? 1U : 0U, long_rays || spilled_entries() > 0 ? 1U : 0U});
 }
 
 void GpuTraceSession::run_and_time(const vulkan::Kernel& kernel, const TracePush& push, std::uint32_t groups) {

@@ -15,6 +15,7 @@ layout(constant_id = 4) const bool stack_is_shared = false;
 layout(constant_id = 5) const uint stack_entries = 16;  // at hand
 layout(constant_id = 6) const uint step_limit = 1000;
 layout(constant_id = 7) const bool long_rays = false;
+layout(constant_id = 8) const bool spills = true;  // whether the tree is deeper than what is at hand
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Entries { uvec2 at[]; };
 
@@ -51,7 +52,7 @@ uint stack_size;
 uint steps;  // loop iterations, at least as many as this invocation makes its subgroup do
 
 void push_node(uvec2 entry) {
-  if (stack_size >= stack_entries) {
+  if (spills && stack_size >= stack_entries) {
     push.spill.at[(stack_size - stack_entries) * push.invocations + invocation_index()] = entry;
   } else if (stack_is_shared) {
     shared_stack[stack_size * gl_WorkGroupSize.x + gl_LocalInvocationID.x] = entry;
@@ -66,7 +67,7 @@ uint pop_node(float farthest) {
   if (stack_size == 0) return done;
   --stack_size;
   uvec2 entry;
-  if (stack_size >= stack_entries) {
+  if (spills && stack_size >= stack_entries) {
     entry = push.spill.at[(stack_size - stack_entries) * push.invocations + invocation_index()];
   } else if (stack_is_shared) {
     entry = shared_stack[stack_size * gl_WorkGroupSize.x + gl_LocalInvocationID.x];
@@ -82,6 +83,7 @@ struct State {
   TracedRay ray;
   float tmax;      // of the ray, or where the nearest hit is
   float farthest;  // the same, scaled
+  float nearest;   // the ray's tmin, scaled
   uvec3 hit;       // triangle, u, v
   uvec4 counts;
 };
@@ -89,7 +91,7 @@ struct State {
 uint visit_pair(inout State s, uint index) {
   if (counting) s.counts += uvec4(1, 0, 2, 0);
   const uint at = index * (pair_floats / 2);
-  vec2 near = vec2(scaled(s.ray, s.ray.tmin));
+  vec2 near = vec2(s.nearest);
   vec2 far = vec2(s.farthest);
   for (uint axis = 0; axis < 3; ++axis) {
     narrow(s.ray, axis, floats(push.pairs.at[at + 2 * axis]), floats(push.pairs.at[at + 2 * axis + 1]), near, far);
@@ -144,8 +146,9 @@ bool begin(out State s, uint index) {
   s.counts = uvec4(0);
   if (!prepare(vec3(r0, r1.x), vec3(r2, r3.x), r1.y, r3.y, push.lower, push.upper, s.ray)) return false;
   s.farthest = scaled(s.ray, s.tmax);
+  s.nearest = scaled(s.ray, s.ray.tmin);
   if (counting) s.counts.z = 1;
-  vec2 near = vec2(scaled(s.ray, s.ray.tmin));
+  vec2 near = vec2(s.nearest);
   vec2 far = vec2(s.farthest);
   for (uint axis = 0; axis < 3; ++axis) narrow(s.ray, axis, vec2(push.lower[axis]), vec2(push.upper[axis]), near, far);
   return near.x <= far.x;
