@@ -96,6 +96,14 @@ TEST_F(AnimationRunTest, TimesOfADeviceTakeThePlaceOfTheWallClocks) {
   EXPECT_EQ(result_of(plan, 2).values.at("frame_time").samples, std::vector<double>(3, 12));
 }
 
+TEST_F(AnimationRunTest, ADeviceMayBuildOnlyWhileTheAnimationPlays) {
+  Plan plan = test_plan({"device"});
+  add_animation(plan, 2, "build later");
+  EXPECT_EQ(run_plan(plan, options).done, 1U);
+  EXPECT_EQ(result_of(plan, 0).values.at("build_time").samples, std::vector<double>(3, 0));
+  EXPECT_FALSE(result_of(plan, 0).values.contains("build_time:sort"));
+}
+
 TEST_F(AnimationRunTest, AWrongHitInAnyFrameFailsItsCell) {
   Plan plan = test_plan({"good"});
   add_animation(plan, 2, "good");

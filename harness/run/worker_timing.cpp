@@ -63,7 +63,9 @@ Lap Worker::lap_of(const StageTimes& times, double seconds) {
 /// What only methods have that work on a device.
 void Worker::add_device_times(PipelineWork& work, const std::vector<TimedSample>& samples) {
   const DeviceTimes& device = work.first_times.device;
-  if (!device.seconds) return;
+  const std::size_t parts = optimize_part + work.pipeline->optimizer_names().size() + device.parts.size();
+  // Before an animation is played nothing may have been built, though the device has built since.
+  if (!device.seconds || samples.front().parts.size() != parts) return;
   CellResult& result = work.build_result;
   const auto add = [&](const std::string& name, std::size_t part) {
     result.values[name] = timed("s", samples, [part](const TimedSample& s) { return s.parts.at(part); });

@@ -8,10 +8,30 @@
 #include "methods/updates/refit_session.h"
 
 namespace raystudy::updates {
+
+/// Two trees at most are held at once: the best so far and the one that is tried.
+RefittedTree best_tree_over_time(const Scene& animation, std::span<const double> times, const TreeBuild& build,
+                                 RefitMethod method, const BuildContext& context, std::string_view updater) {
+  std::vector<Scene> frames;
+  for (const double time : times) frames.push_back(scene_at(animation, time));
+  std::optional<RefittedTree> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Scene& own : frames) {
+    RefittedTree tree(take_bvh2(build(own), updater), animation, method, context.threads);
+    double sum = 0;
+    for (const Scene& frame : frames) {
+      tree.refit(frame);
+      sum += tree_cost(*tree.bvh, context.cost);
+    }
+    if (best && !(sum < least)) continue;
+    least = sum;
+    best.emplace(std::move(tree));
+  }
+  return std::move(*best);
+}
+
 namespace {
 
-/// SAH*: of the trees that each frame alone would get, the one of least mean cost over all frames when refitted. Of equal ones
-/// the earliest.
 class BestOverTime final : public Updater {
  public:
   static MethodInfo info() {
@@ -23,25 +43,9 @@ class BestOverTime final : public Updater {
   }
   explicit BestOverTime(const Params& p) : method_(refit_method(p.text("method"))) {}
 
-  /// Two trees at most are held at once: the best so far and the one that is tried.
   [[nodiscard]] std::unique_ptr<UpdateSession> prepare(const Scene& animation, std::span<const double> times,
                                                        const TreeBuild& build, const BuildContext& context) const override {
-    std::vector<Scene> frames;
-    for (const double time : times) frames.push_back(scene_at(animation, time));
-    std::optional<RefittedTree> best;
-    double least = std::numeric_limits<double>::infinity();
-    for (const Scene& own : frames) {
-      RefittedTree tree(take_bvh2(build(own), "best-over-time"), animation, method_, context.threads);
-      double sum = 0;
-      for (const Scene& frame : frames) {
-        tree.refit(frame);
-        sum += tree_cost(*tree.bvh, context.cost);
-      }
-      if (best && !(sum < least)) continue;
-      least = sum;
-      best.emplace(std::move(tree));
-    }
-    return std::make_unique<RefitSession>(std::move(*best));
+    return std::make_unique<RefitSession>(best_tree_over_time(animation, times, build, method_, context, "best-over-time"));
   }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -23,6 +24,11 @@ struct RefittedTree {
   void refit(const Scene& frame) { refitter.refit(*bvh, frame.vertices); }
   [[nodiscard]] std::size_t bytes() const { return bvh->bytes() + refitter.bytes(); }
 };
+
+/// SAH*: of the trees that each frame alone would get, the one of least mean cost over all frames when refitted; of equal ones
+/// the earliest (Wald, Boulos, Shirley 2007). `times` are not empty.
+[[nodiscard]] RefittedTree best_tree_over_time(const Scene& animation, std::span<const double> times, const TreeBuild& build,
+                                               RefitMethod method, const BuildContext& context, std::string_view updater);
 
 /// One tree that follows the whole animation.
 class RefitSession final : public UpdateSession {

@@ -100,9 +100,12 @@ class GpuRefit final : public Updater {
   static MethodInfo info() {
     return {
         .name = "gpu-refit",
-        .summary = "on a Vulkan device: one tree, built on the first frame; vertices are interpolated, then boxes recomputed",
+        .summary = "on a Vulkan device: one tree for all frames; vertices are interpolated, then boxes recomputed",
         .citation = "Karras 2012, Sec. 4 (atomics); Lauterbach 2010, Sec. 4.1.3 (levels)",
-        .params = {choice_param("method", {"atomics", "levels"},
+        .params = {choice_param(
+                       "tree", {"first", "best"},
+                       "of the first key frame; or of the frame whose tree is cheapest over all frames (best-over-time)"),
+                   choice_param("method", {"atomics", "levels"},
                                 "from the leaves up in one dispatch, or a dispatch a level; the same boxes, at another speed"),
                    choice_param("interpolate", {"device", "host"},
                                 "who finds the vertices between key frames; what the host finds is uploaded, untimed")},
@@ -110,16 +113,20 @@ class GpuRefit final : public Updater {
         .on_device = true};
   }
   explicit GpuRefit(const Params& p)
-      : method_(p.text("method") == "atomics" ? DeviceRefitMethod::atomics : DeviceRefitMethod::levels),
+      : best_(p.text("tree") == "best"),
+        method_(p.text("method") == "atomics" ? DeviceRefitMethod::atomics : DeviceRefitMethod::levels),
         interpolate_(p.text("interpolate") == "device") {}
 
   [[nodiscard]] std::unique_ptr<UpdateSession> prepare(const Scene& animation, std::span<const double> times,
-                                                       const TreeBuild& build, const BuildContext& /*context*/) const override {
-    return std::make_unique<GpuRefitSession>(vulkan::Device::shared(), updates::take_bvh2(build(animation), "gpu-refit"),
-                                             animation, times, method_, interpolate_);
+                                                       const TreeBuild& build, const BuildContext& context) const override {
+    vulkan::Device& device = vulkan::Device::shared();
+    auto tree = best_ ? updates::best_tree_over_time(animation, times, build, RefitMethod::serial, context, "gpu-refit").bvh
+                      : updates::take_bvh2(build(animation), "gpu-refit");
+    return std::make_unique<GpuRefitSession>(device, std::move(tree), animation, times, method_, interpolate_);
   }
 
  private:
+  bool best_;
   DeviceRefitMethod method_;
   bool interpolate_;
 };

@@ -91,6 +91,21 @@ TEST_F(OnDeviceRefit, RefusesLeavesThatTakeTooManySteps) {
                                     "and, with atomics, the levels to be 65000 at most"));
 }
 
+TEST_F(OnDeviceRefit, TakesTheTreeThatIsBestOverTime) {
+  const Registry& registry = Registry::instance();
+  const Scene animation = test::crossing_boxes(300, 4, 1);
+  const std::shared_ptr<Builder> builder = registry.create<Builder>(registry.ref(Role::builder, "binned-sah"));
+  const TreeBuild build = [&](const Scene& scene) { return builder->build(scene, {}); };
+  const std::vector<double> times = uniform_times(3);
+  const auto tree_of = [&](const MethodRef& ref) {
+    const auto session = registry.create<Updater>(ref)->prepare(animation, times, build, {});
+    return dynamic_cast<const Bvh2&>(*session->update(scene_at(animation, 0), 0).accel);
+  };
+  const Bvh2 best = tree_of(registry.ref(Role::updater, "gpu-refit", {{"tree", std::string("best")}}));
+  EXPECT_TRUE(test::same(best, tree_of(registry.ref(Role::updater, "best-over-time"))));
+  EXPECT_FALSE(test::same(best, tree_of(registry.ref(Role::updater, "gpu-refit"))));
+}
+
 /// Frames on key frames and between them: interpolated on the device or by the host, refitted by either method.
 TEST_F(OnDeviceRefit, UpdaterFollowsAnAnimationAsRefitDoes) {
   const Registry& registry = Registry::instance();
