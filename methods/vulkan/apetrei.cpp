@@ -1,7 +1,5 @@
 #include "methods/vulkan/apetrei.h"
 
-#include "methods/vulkan/device_shape.h"
-
 namespace raystudy::gpu {
 namespace {
 
@@ -20,7 +18,7 @@ struct ApetreiPush {
 }  // namespace
 
 void record_apetrei(vulkan::Device& device, vulkan::Commands& commands, const LbvhLeaves& leaves, const ApetreiOutput& output) {
-  const DeviceShape shape = shape_of(device);
+  const DeviceShape& shape = leaves.order().shape();
   const MortonOrder& order = leaves.order();
   const bool treelets = output.least_depth > 0;
   commands.fill(output.ends.part(0, leaves.count() * sizeof(std::uint32_t)), ~0U);

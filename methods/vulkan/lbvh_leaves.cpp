@@ -3,7 +3,6 @@
 #include <array>
 #include <span>
 
-#include "methods/vulkan/device_shape.h"
 #include "methods/vulkan/download_tree.h"
 
 namespace raystudy::gpu {
@@ -57,7 +56,7 @@ LbvhLeaves::LbvhLeaves(vulkan::Device& device, const MortonOrder& order, std::ui
       least_depth_(least_depth),
       one_a_leaf_(max_leaf_triangles == 1 && least_depth == 0),
       count_(order.count()),
-      sum_(device),
+      sum_(device, order.shape()),
       arena_(device, room_of(sum_, order.count(), one_a_leaf_)) {
   if (one_a_leaf_) return;
   first_ = arena_.take((std::size_t{count_} + 1) * word);
@@ -68,7 +67,7 @@ LbvhLeaves::LbvhLeaves(vulkan::Device& device, const MortonOrder& order, std::ui
 }
 
 void LbvhLeaves::find(std::vector<vulkan::PartTime>& parts) {
-  const DeviceShape shape = shape_of(device_);
+  const DeviceShape& shape = order_.shape();
   const std::uint32_t n = order_.count();
   const std::uint64_t depths = order_.first_room().address();
   const std::uint64_t high = order_.two_words() ? order_.high().address() : 0;

@@ -10,6 +10,10 @@
 #include "harness/method/registry.h"
 #include "harness/scene/open.h"
 #include "harness/vulkan/device.h"
+#include "methods/vulkan/download_tree.h"
+#include "methods/vulkan/lbvh_tree.h"
+#include "methods/vulkan/ploc_tree.h"
+#include "methods/vulkan/treelet_tree.h"
 #include "tests/support/same_tree.h"
 #include "tests/support/trees.h"
 
@@ -126,6 +130,65 @@ TEST_F(DeviceLbvh, OfHugeAndTinyCoordinates) {
 }
 
 TEST_F(DeviceLbvh, OfAScene) { check_all(open_scene("atrium", 20000)); }
+
+/// What the builders are made of, in another shape than the device's own.
+struct Shaped {
+  Shaped(const Scene& scene, std::uint32_t bits, const DeviceShape& shape)
+      : on_device(device, scene), order(device, on_device, bits, shape), parts(order.build()) {}
+
+  Bvh2 download(const vulkan::Slice& nodes, std::uint32_t leaves, const vulkan::Slice& triangles) {
+    Bvh2 bvh;
+    download_tree(device, nodes, leaves, triangles, order.count(), bvh);
+    return bvh;
+  }
+
+  vulkan::Device& device = vulkan::Device::shared();
+  DeviceScene on_device;
+  MortonOrder order;
+  std::vector<vulkan::PartTime> parts;
+};
+
+TEST_F(DeviceLbvh, IsTheSameWhateverTheShapeOfTheWork) {
+  const Scene scene = open_scene("atrium", 20000);
+  const DeviceShape usual = shape_of(vulkan::Device::shared());
+  for (DeviceShape shape : {gpu_shape(), processor_shape(vulkan::Device::shared().info())}) {
+    shape.fences = usual.fences;
+    for (const std::int64_t max_leaf : {1, 8}) {
+      Shaped s(scene, 30, shape);
+      LbvhLeaves leaves(s.device, s.order, static_cast<std::uint32_t>(max_leaf));
+      leaves.find(s.parts);
+      LbvhTree tree(s.device, leaves, Construction::karras);
+      tree.build(s.parts);
+      EXPECT_TRUE(test::same(s.download(tree.nodes(), leaves.count(), s.order.order()),
+                             build("gpu-lbvh", scene, {{"max_leaf_triangles", max_leaf}})));
+    }
+    {
+      Shaped s(scene, 30, shape);
+      const std::uint32_t depth = depth_of_prefix(30, 15);
+      LbvhLeaves leaves(s.device, s.order, 8, depth);
+      leaves.find(s.parts);
+      TreeletTree tree(s.device, leaves, depth, 16);
+      tree.build(s.parts);
+      EXPECT_TRUE(test::same(s.download(tree.nodes(), leaves.count(), tree.triangles()), build("gpu-hlbvh", scene, {})));
+    }
+    Shaped s(scene, 60, shape);
+    PlocTree tree(s.device, s.order, 14);
+    tree.build(s.parts);
+    EXPECT_TRUE(test::same(s.download(tree.nodes(), s.order.count(), tree.triangles()), build("gpu-ploc", scene, {})));
+  }
+}
+
+TEST_F(DeviceLbvh, SaysHowManyTreeletsAProcessorSplits) {
+  const vulkan::DeviceInfo& info = vulkan::Device::shared().info();
+  if (info.type != "cpu") GTEST_SKIP() << info.name << " is no processor";
+  const Scene scene = test::scene_of(test::random_boxes(140'000, 1));
+  EXPECT_THAT(
+      [&] {
+        build("gpu-hlbvh", scene, {{"morton_bits", std::string("63")}, {"sah_bits", std::int64_t{63}}});
+      },
+      testing::ThrowsMessage<Error>("140000 treelets are more than " + info.name +
+                                    " splits; expected 131072 at most: use fewer sah_bits"));
+}
 
 TEST_F(DeviceLbvh, OfNoTrianglesHasNoNodes) { EXPECT_TRUE(build("gpu-lbvh", Scene(), {}).empty()); }
 

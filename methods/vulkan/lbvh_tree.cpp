@@ -1,7 +1,6 @@
 #include "methods/vulkan/lbvh_tree.h"
 
 #include "methods/vulkan/apetrei.h"
-#include "methods/vulkan/device_shape.h"
 #include "methods/vulkan/download_tree.h"
 
 namespace raystudy::gpu {
@@ -38,7 +37,7 @@ LbvhTree::LbvhTree(vulkan::Device& device, const LbvhLeaves& leaves, Constructio
       slots_(device, construction == Construction::karras ? leaves.count() * word : 0) {}
 
 void LbvhTree::record_karras(vulkan::Commands& commands) const {
-  const DeviceShape shape = shape_of(device_);
+  const DeviceShape& shape = leaves_.order().shape();
   const MortonOrder& order = leaves_.order();
   const std::uint32_t one_a_leaf = leaves_.one_a_leaf() ? 1 : 0;
   commands.run(device_.kernel("lbvh_karras", {shape.group, 0, one_a_leaf, order.two_words() ? 1U : 0U}),

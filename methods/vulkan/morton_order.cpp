@@ -1,7 +1,6 @@
 #include "methods/vulkan/morton_order.h"
 
 #include "harness/geometry/box.h"
-#include "methods/vulkan/device_shape.h"
 
 namespace raystudy::gpu {
 namespace {
@@ -39,12 +38,13 @@ std::size_t room_of(const RadixSort& sort, std::uint32_t n, bool two_words) {
 
 }  // namespace
 
-MortonOrder::MortonOrder(vulkan::Device& device, const DeviceScene& scene, std::uint32_t bits)
+MortonOrder::MortonOrder(vulkan::Device& device, const DeviceScene& scene, std::uint32_t bits, const DeviceShape& shape)
     : device_(device),
       scene_(scene),
+      shape_(shape),
       bits_(bits),
       count_(scene.triangle_count()),
-      sort_(device, 0, bits),
+      sort_(device, 0, bits, shape),
       arena_(device, room_of(sort_, count_, two_words())),
       boxes_(arena_.take(count_ * sizeof(Box))),
       bounds_(arena_.take(2 * half_bounds_bytes)),
@@ -59,21 +59,20 @@ MortonOrder::MortonOrder(vulkan::Device& device, const DeviceScene& scene, std::
 
 std::vector<vulkan::PartTime> MortonOrder::build() {
   vulkan::Commands commands(device_);
-  const DeviceShape shape = shape_of(device_);
-  const std::uint64_t groups = groups_for(count_, shape.group * shape.items);
+  const std::uint64_t groups = groups_for(count_, shape_.group * shape_.items);
   const std::uint64_t high = two_words() ? items_.high.address() : 0;
   commands.fill(bounds_.part(0, half_bounds_bytes), ~0U);
   commands.fill(bounds_.part(half_bounds_bytes, half_bounds_bytes), 0);
   commands.barrier();
   commands.mark("bounds");
-  commands.run(device_.kernel("bounds", {shape.group, shape.items}),
+  commands.run(device_.kernel("bounds", {shape_.group, shape_.items}),
                BoundsPush{scene_.vertices().address(), scene_.triangles().address(), boxes_.address(), bounds_.address(), count_},
                groups);
   commands.barrier();
   commands.mark("morton");
   commands.run(device_.kernel("morton_grid", {1}), GridPush{bounds_.address(), grid_.address(), bits_ / 3}, 1);
   commands.barrier();
-  commands.run(device_.kernel("morton", {shape.group, shape.items, bits_ / 3}),
+  commands.run(device_.kernel("morton", {shape_.group, shape_.items, bits_ / 3}),
                MortonPush{boxes_.address(), grid_.address(), items_.low.address(), high, count_}, groups);
   commands.barrier();
   commands.mark("sort");

@@ -5,6 +5,7 @@
 
 #include "harness/vulkan/commands.h"
 #include "methods/vulkan/device_scene.h"
+#include "methods/vulkan/device_shape.h"
 #include "methods/vulkan/radix_sort.h"
 
 namespace raystudy::gpu {
@@ -14,11 +15,15 @@ namespace raystudy::gpu {
 class MortonOrder {
  public:
   /// `bits`: 30, 60 or 63. The scene has one triangle at least.
-  MortonOrder(vulkan::Device& device, const DeviceScene& scene, std::uint32_t bits);
+  MortonOrder(vulkan::Device& device, const DeviceScene& scene, std::uint32_t bits)
+      : MortonOrder(device, scene, bits, shape_of(device)) {}
+  MortonOrder(vulkan::Device& device, const DeviceScene& scene, std::uint32_t bits, const DeviceShape& shape);
 
   /// Parts "bounds", "morton" and "sort".
   [[nodiscard]] std::vector<vulkan::PartTime> build();
 
+  /// That of the work on the order, and on what is built upon it.
+  [[nodiscard]] const DeviceShape& shape() const { return shape_; }
   [[nodiscard]] std::uint32_t count() const { return count_; }
   [[nodiscard]] bool two_words() const { return bits_ > 32; }
   [[nodiscard]] const vulkan::Slice& boxes() const { return boxes_; }  ///< of the triangles in the scene's order
@@ -32,6 +37,7 @@ class MortonOrder {
  private:
   vulkan::Device& device_;
   const DeviceScene& scene_;
+  DeviceShape shape_;
   std::uint32_t bits_;
   std::uint32_t count_;
   RadixSort sort_;

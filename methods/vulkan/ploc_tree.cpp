@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "methods/vulkan/device_shape.h"
 #include "methods/vulkan/download_tree.h"
 #include "methods/vulkan/lbvh_leaves.h"
 
@@ -69,7 +68,7 @@ PlocTree::PlocTree(vulkan::Device& device, const MortonOrder& order, std::uint32
     : device_(device),
       order_(order),
       radius_(radius),
-      sum_(device),
+      sum_(device, order.shape()),
       arena_(device, room_of(sum_, order.count())),
       nodes_(arena_.take(2 * std::size_t{order.count()} * sizeof(Bvh2Node))),
       triangles_(arena_.take(order.count() * word)),
@@ -86,7 +85,7 @@ PlocTree::PlocTree(vulkan::Device& device, const MortonOrder& order, std::uint32
 }
 
 void PlocTree::record_round(vulkan::Commands& commands, std::uint32_t count, std::uint32_t merges) const {
-  const DeviceShape shape = shape_of(device_);
+  const DeviceShape& shape = order_.shape();
   commands.mark("nearest");
   const std::uint32_t group_clusters = shape.scan_group * shape.clusters;
   commands.run(device_.kernel("ploc_nearest", {shape.scan_group, group_clusters + 2 * radius_, shape.clusters}),
@@ -106,7 +105,7 @@ void PlocTree::record_round(vulkan::Commands& commands, std::uint32_t count, std
 }
 
 void PlocTree::record_layout(vulkan::Commands& commands, bool root, std::uint32_t first, std::uint32_t end) const {
-  const std::uint32_t group = root ? 1 : shape_of(device_).group;
+  const std::uint32_t group = root ? 1 : order_.shape().group;
   commands.run(device_.kernel("ploc_layout", {group, root ? 1U : 0U}),
                LayoutPush{merged_.address(), leaves_.address(), places_.address(), nodes_.address(), order_.order().address(),
                           triangles_.address(), clusters_.boxes.address(), clusters_.links.address(), first, end},
@@ -116,7 +115,7 @@ void PlocTree::record_layout(vulkan::Commands& commands, bool root, std::uint32_
 
 void PlocTree::build(std::vector<vulkan::PartTime>& parts) {
   const std::uint32_t n = order_.count();
-  const std::uint32_t group = shape_of(device_).group;
+  const std::uint32_t group = order_.shape().group;
   std::vector<std::uint32_t> merges{0};  // after each round, all that were made by then
   for (std::uint32_t count = n; merges.size() == 1 || count > 1;) {
     vulkan::Commands commands(device_);

@@ -4,7 +4,6 @@
 
 #include "harness/base/error.h"
 #include "methods/vulkan/apetrei.h"
-#include "methods/vulkan/device_shape.h"
 #include "methods/vulkan/download_tree.h"
 
 namespace raystudy::gpu {
@@ -97,7 +96,7 @@ TreeletTree::TreeletTree(vulkan::Device& device, const LbvhLeaves& leaves, std::
       leaves_(leaves),
       least_depth_(least_depth),
       bins_(bins),
-      sum_(device),
+      sum_(device, leaves.order().shape()),
       arena_(device, room_of(sum_, leaves)),
       nodes_(arena_.take(pairs_bytes(leaves.count()))),
       triangles_(arena_.take(leaves.order().count() * word)),
@@ -117,7 +116,7 @@ void TreeletTree::build(std::vector<vulkan::PartTime>& parts) {
 
 /// Numbers the treelets and finds their first leaves.
 void TreeletTree::find_treelets(std::vector<vulkan::PartTime>& parts) {
-  const DeviceShape shape = shape_of(device_);
+  const DeviceShape& shape = leaves_.order().shape();
   const std::uint32_t n = leaves_.count();
   vulkan::Commands commands(device_);
   commands.mark("treelets");
@@ -146,7 +145,7 @@ void TreeletTree::build_treelets(std::vector<vulkan::PartTime>& parts) {
 void TreeletTree::record_level(vulkan::Commands& commands) {
   const std::uint32_t level = top_->level;
   const std::uint32_t next = 1 - level;
-  commands.run_indirect(device_.kernel("treelets_split", {shape_of(device_).scan_group, bins_}),
+  commands.run_indirect(device_.kernel("treelets_split", {leaves_.order().shape().scan_group, bins_}),
                         SplitPush{top_->roots.address(), treelet_first_.address(), leaves_.first(), top_->orders[level].address(),
                                   top_->orders[next].address(), top_->tasks[level].address(), top_->tasks[next].address(),
                                   top_->queues.address(), nodes_.address(), top_->places.address(), level},
@@ -159,7 +158,7 @@ void TreeletTree::record_level(vulkan::Commands& commands) {
 
 /// Level by level, until a queue is empty.
 void TreeletTree::split(std::vector<vulkan::PartTime>& parts) {
-  const DeviceShape shape = shape_of(device_);
+  const DeviceShape& shape = leaves_.order().shape();
   for (bool first = true; first || read_word(device_, top_->queues, 4 * top_->level + 3) > 0; first = false) {
     vulkan::Commands commands(device_);
     commands.mark("sah");
@@ -176,7 +175,7 @@ void TreeletTree::split(std::vector<vulkan::PartTime>& parts) {
 }
 
 void TreeletTree::lay_out(std::vector<vulkan::PartTime>& parts) {
-  const DeviceShape shape = shape_of(device_);
+  const DeviceShape& shape = leaves_.order().shape();
   vulkan::Commands commands(device_);
   commands.mark("layout");
   commands.fill(nodes_.part(sizeof(Bvh2Node), sizeof(Bvh2Node)), 0);
