@@ -192,7 +192,7 @@ class TableBuilder {
     cell.published = value->second;
     if (!cell.value_class) cell.value_class = column.value_class;
     if (!cell.ours) return;
-    cell.ratio = cell.ours->value / value->second.value;
+    if (value->second.value != 0) cell.ratio = cell.ours->value / value->second.value;
     const ColumnSpec& spec = spec_.columns[i];
     // A formula's value has no peers: what it is made of differs from column to column.
     const std::string quantity =

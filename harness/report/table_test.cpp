@@ -146,6 +146,16 @@ TEST_F(TableTest, ABaselineOfZeroHasNoRatio) {
   EXPECT_EQ(cell(table, 0, 1).reason, "'cost' of 'sah' is 0");
 }
 
+TEST_F(TableTest, APublishedZeroHasNoRatio) {
+  for (PublishedColumn& column : published->columns) {
+    if (column.key() == "table1.cost") column.values.at("Sibenik Cathedral") = {0, "0.0"};
+  }
+  const ReportTable table = build();
+  EXPECT_EQ(cell(table, 0, 0).published->text, "0.0");
+  EXPECT_EQ(cell(table, 0, 0).ours->value, 82.21);
+  EXPECT_FALSE(cell(table, 0, 0).ratio);
+}
+
 TEST_F(TableTest, AMetricThatAMethodDoesNotHave) {
   result("sibenik-ogre", "sah").values.erase("cost");
   const ReportTable table = build();

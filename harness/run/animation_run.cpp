@@ -218,7 +218,9 @@ void AnimationRun::add_frame_values(Played& played) const {
     result.series["frame_cost"] = by_frame("1", played.costs);
   }
   result.values["rebuilds"] = exact("1", sum(played.rebuilt));
-  result.series["frame_rebuilt"] = by_frame("1", played.rebuilt);
+  std::vector<double> so_far(played.rebuilt.size());
+  std::partial_sum(played.rebuilt.begin(), played.rebuilt.end(), so_far.begin());
+  result.series["frame_rebuilds"] = by_frame("1", so_far);
   result.values["tree_memory"] = exact("bytes", static_cast<double>(played.session->bytes()));
   result.values["update_time"] = reduced("s", played.seconds, mean);
   result.values["maximum_update_time"] = reduced("s", played.seconds, greatest);

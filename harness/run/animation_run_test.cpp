@@ -58,7 +58,7 @@ TEST_F(AnimationRunTest, MeasuresEveryFrame) {
   EXPECT_THAT(result.values.at("update_time").samples, SizeIs(3)) << "one a repetition";
   EXPECT_GE(result.values.at("maximum_update_time").median(), result.values.at("update_time").median());
   EXPECT_THAT(result.series.at("frame_update_time").y, SizeIs(5));
-  EXPECT_EQ(result.series.at("frame_rebuilt").y, (std::vector<double>{0, 1, 0, 1, 0}));
+  EXPECT_EQ(result.series.at("frame_rebuilds").y, (std::vector<double>{0, 1, 1, 2, 2}));
   EXPECT_EQ(result.values.at("rebuilds").median(), 2);
   EXPECT_EQ(result.values.at("tree_memory").median(), 100);
   EXPECT_THAT(result.values.at("build_time").samples, SizeIs(3));

@@ -60,7 +60,7 @@ const std::vector<Quantity>& harness_quantities() {
       of_animations({"maximum_update_time", "s", "time to make the tree ready for the frame that takes longest"}),
       of_animations({"frame_update_time", "s", "time to make the tree ready, by frame", false, "frame"}),
       of_animations({"rebuilds", "1", "frames for which a tree was built while the animation played"}),
-      of_animations({"frame_rebuilt", "1", "1 for frames for which a tree was built, else 0", false, "frame"}),
+      of_animations({"frame_rebuilds", "1", "frames up to this one for which a tree was built", false, "frame"}),
       of_animations({"tree_memory", "bytes", "memory of all trees that are held while the animation plays"}),
       of_animations({"frame_time", "s", "time to update the tree and trace the rays, mean over the frames", true}),
       of_animations({"maximum_frame_time", "s", "time to update and trace of the frame that takes longest", true}),
