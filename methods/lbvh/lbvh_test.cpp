@@ -17,6 +17,7 @@
 #include "harness/scene/open.h"
 #include "tests/support/same_tree.h"
 #include "tests/support/trees.h"
+#include "tests/support/twice_area.h"
 
 namespace raystudy::lbvh {
 namespace {
@@ -279,6 +280,11 @@ TEST(Lbvh, TheLargestCoordinatesMakeTheTreeOfTheDefinition) {
   const Scene scene = test::scene_of(boxes);
   EXPECT_TRUE(test::same(build("lbvh", scene), ByDefinition(scene, 30, 1).tree()));
   EXPECT_TRUE(test::same(build("hlbvh", scene, {{"sah_bits", number(9)}}), ByDefinition(scene, 30, 8, 9).tree()));
+}
+
+TEST(Hlbvh, OfAnyMeasureIsTheTreeOfTheSurfaceAreaWhenItIsTwiceThat) {
+  const Scene scene = test::scene_of(test::random_boxes(3000, 4));
+  EXPECT_TRUE(test::same(build("hlbvh", scene), build("hlbvh", scene, {{"heuristic", text("test-twice-area")}})));
 }
 
 TEST(Hlbvh, TakesNoMoreBitsForSahThanACodeHas) {

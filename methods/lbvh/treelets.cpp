@@ -1,8 +1,6 @@
 #include "methods/lbvh/treelets.h"
 
 #include <algorithm>
-#include <limits>
-#include <mutex>
 
 #include "harness/base/parallel.h"
 #include "harness/geometry/morton.h"
@@ -21,8 +19,9 @@ std::vector<Treelet> treelets_of(std::span<const Part> roots) {
   std::uint32_t place = 0;
   for (std::size_t i = 0; i < roots.size(); ++i) {
     const Part& root = roots[i];
-    const Box box = root.box.box();
-    treelets[i] = {box, MortonGrid::center(box), root.place - place, root.leaf + 1 - leaf, static_cast<std::uint32_t>(i), {}};
+    treelets[i] = {
+        root.box, MortonGrid::center(root.box.box()), root.place - place, root.leaf + 1 - leaf, static_cast<std::uint32_t>(i),
+        {}};
     leaf = root.leaf + 1;
     place = root.place;
   }
@@ -79,8 +78,8 @@ class OverTreelets {
   std::pair<Range, Range> split(const Range& range, TreeletSplitter& splitter) {
     const std::size_t n = range.end - range.begin;
     const std::span<Treelet> treelets{treelets_.data() + range.begin, n};
-    Box box;
-    for (const Treelet& treelet : treelets) box.extend(treelet.box);
+    WideBox box = WideBox::empty();
+    for (const Treelet& treelet : treelets) box = united(box, treelet.box);
     const std::size_t middle = splitter.split(treelets, {scratch_.data() + range.begin, n});
     TreeletPlace right = range.place;
     for (const Treelet& treelet : treelets.first(middle)) {
@@ -88,7 +87,7 @@ class OverTreelets {
       right.triangle += treelet.triangles;
     }
     const std::uint32_t pair = 2 * right.leaf;
-    nodes_[range.slot] = {box, pair, 0};
+    set_node(nodes_[range.slot], box, pair, 0);
     return {{range.begin, range.begin + middle, pair, range.place}, {range.begin + middle, range.end, pair + 1, right}};
   }
 
@@ -116,69 +115,36 @@ class OverTreelets {
 }  // namespace
 
 TreeletSplitter::TreeletSplitter(const Measure& measure, std::uint32_t bins)
-    : measure_(measure),
-      bins_(bins),
-      boxes_(std::size_t{3} * bins),
-      triangles_(boxes_.size()),
-      sides_(2 * boxes_.size()),
-      measures_(sides_.size()),
-      before_(boxes_.size()) {}
+    : bins_(bins), row_((bins + 3) / 4 * 4), boxes_(std::size_t{3} * row_), counts_(boxes_.size()), sweep_(measure, bins) {}
 
-void TreeletSplitter::fill(std::span<Treelet> treelets) {
+std::int32_t TreeletSplitter::fill(std::span<Treelet> treelets) {
   Box centers;
   for (const Treelet& treelet : treelets) centers.extend(treelet.center);
   const MortonGrid grid(centers, cell_bits);
-  std::fill(boxes_.begin(), boxes_.end(), Box{});
-  std::fill(triangles_.begin(), triangles_.end(), 0U);
+  for (topdown::BoxRecord& box : boxes_) WideBox::empty().store(box);
+  std::fill(counts_.begin(), counts_.end(), 0);
+  std::int32_t triangles = 0;
   for (Treelet& treelet : treelets) {
+    triangles += static_cast<std::int32_t>(treelet.triangles);
     for (int axis = 0; axis < 3; ++axis) {
       const std::uint32_t bin = grid.cell(treelet.center, axis) * bins_ >> static_cast<unsigned>(cell_bits);
       treelet.bins[axis] = static_cast<std::uint16_t>(bin);
-      const std::size_t at = static_cast<std::size_t>(axis) * bins_ + bin;
-      boxes_[at].extend(treelet.box);
-      triangles_[at] += treelet.triangles;
+      const std::size_t at = static_cast<std::size_t>(axis) * row_ + bin;
+      united(WideBox::of(boxes_[at]), treelet.box).store(boxes_[at]);
+      counts_[at] += static_cast<std::int32_t>(treelet.triangles);
     }
   }
-}
-
-TreeletSplitter::Choice TreeletSplitter::best() {
-  const std::size_t all = boxes_.size();
-  std::uint32_t triangles = 0;
-  for (std::size_t row = 0; row < all; row += bins_) {
-    Box left;
-    Box right;
-    std::uint32_t count = 0;
-    for (std::size_t i = 0; i < bins_; ++i) {
-      left.extend(boxes_[row + i]);
-      sides_[row + i] = left;
-      before_[row + i] = count += triangles_[row + i];
-      sides_[all + row + bins_ - 1 - i] = right;
-      right.extend(boxes_[row + bins_ - 1 - i]);
-    }
-    triangles = count;
-  }
-  measure_.evaluate(sides_, measures_);
-  Choice choice;
-  float least = std::numeric_limits<float>::infinity();
-  for (std::size_t i = 0; i < all; ++i) {
-    const std::uint32_t behind = triangles - before_[i];
-    if (before_[i] == 0 || behind == 0) continue;
-    const float cost = measures_[i] * static_cast<float>(before_[i]) + measures_[all + i] * static_cast<float>(behind);
-    if (!(cost < least)) continue;
-    least = cost;
-    choice = {static_cast<int>(i / bins_), static_cast<std::uint32_t>(i % bins_) + 1};
-  }
-  return choice;
+  return triangles;
 }
 
 std::size_t TreeletSplitter::split(std::span<Treelet> treelets, std::span<Treelet> scratch) {
-  fill(treelets);
-  const Choice choice = best();
+  const std::int32_t triangles = fill(treelets);
+  const topdown::BinChoice choice = sweep_.best({boxes_.data(), counts_.data(), row_}, triangles);
   if (choice.axis < 0) return treelets.size() / 2;
   std::size_t left = 0;
   std::size_t right = 0;
   for (const Treelet& treelet : treelets) {
-    if (treelet.bins[choice.axis] < choice.bin) {
+    if (treelet.bins[choice.axis] < static_cast<std::uint32_t>(choice.bin)) {
       treelets[left++] = treelet;
     } else {
       scratch[right++] = treelet;

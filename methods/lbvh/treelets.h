@@ -6,12 +6,13 @@
 
 #include "harness/method/cost_model.h"
 #include "methods/lbvh/hierarchy.h"
+#include "methods/topdown/bin_sweep.h"
 
 namespace raystudy::lbvh {
 
 /// A treelet under a tree over treelets.
 struct Treelet {
-  Box box;
+  WideBox box;
   Vec3 center;
   std::uint32_t triangles;
   std::uint32_t leaves;
@@ -30,23 +31,14 @@ class TreeletSplitter {
   [[nodiscard]] std::size_t split(std::span<Treelet> treelets, std::span<Treelet> scratch);
 
  private:
-  /// The first bin of the right side, on an axis; -1: no split counts.
-  struct Choice {
-    int axis = -1;
-    std::uint32_t bin = 0;
-  };
+  /// Returns the number of triangles.
+  std::int32_t fill(std::span<Treelet> treelets);
 
-  void fill(std::span<Treelet> treelets);
-  [[nodiscard]] Choice best();
-
-  const Measure& measure_;
   std::uint32_t bins_;
-  // Three rows of bins, one an axis, and of the splits behind all bins but the last the boxes and numbers of either side.
-  std::vector<Box> boxes_;
-  std::vector<std::uint32_t> triangles_;
-  std::vector<Box> sides_;
-  std::vector<float> measures_;
-  std::vector<std::uint32_t> before_;
+  std::uint32_t row_;
+  topdown::BoxRecords boxes_;
+  std::vector<std::int32_t> counts_;  ///< of triangles
+  topdown::BinSweep sweep_;
 };
 
 /// Where a treelet goes in the finished tree: the numbers of its first leaf and of its first triangle.

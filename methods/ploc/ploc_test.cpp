@@ -15,6 +15,7 @@
 #include "methods/ploc/nearest.h"
 #include "tests/support/same_tree.h"
 #include "tests/support/trees.h"
+#include "tests/support/twice_area.h"
 
 namespace raystudy::ploc {
 namespace {
@@ -35,23 +36,6 @@ std::uint32_t depth_of(const Bvh2& bvh) {
 }
 
 using test::bar;
-
-/// Twice the surface area: every comparison comes out as with the surface area, but through the path of any measure.
-class TwiceArea final : public Measure {
- public:
-  void evaluate(std::span<const Box> boxes, std::span<float> out) const override {
-    for (std::size_t i = 0; i < boxes.size(); ++i) out[i] = 2 * boxes[i].half_area();
-  }
-};
-class TwiceAreaHeuristic final : public Heuristic {
- public:
-  explicit TwiceAreaHeuristic(const Params&) {}
-  static MethodInfo info() { return {.name = "test-twice-area", .summary = "for tests", .citation = "none"}; }
-  [[nodiscard]] std::shared_ptr<const Measure> prepare(const Scene&, const BuildContext&) const override {
-    return std::make_shared<TwiceArea>();
-  }
-};
-const Registration<TwiceAreaHeuristic> registration;
 
 /// The algorithm word for word, on pointers: clusters in a list, the list searched to both sides of each.
 class Plain {

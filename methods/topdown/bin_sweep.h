@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
+#include "harness/method/cost_model.h"
 #include "methods/topdown/box_record.h"
 
 namespace raystudy::topdown {
@@ -67,9 +69,37 @@ struct LeastCosts {
       best = better ? i : best;
     }
     if (!(costs[best] < std::numeric_limits<float>::infinity())) return {};
-    return {static_cast<int>(ats[best] / row), static_cast<std::int32_t>(ats[best] % row) + 1,
+    const int axis = (ats[best] >= row ? 1 : 0) + (ats[best] >= 2 * row ? 1 : 0);
+    return {axis, static_cast<std::int32_t>(ats[best] - static_cast<std::uint32_t>(axis) * row) + 1,
             std::bit_cast<std::array<std::int32_t, 4>>(left)[best]};
   }
+};
+
+/// Three rows of bins, of `row` slots each.
+struct BinRows {
+  const BoxRecord* boxes;
+  const std::int32_t* counts;
+  std::uint32_t row;
+};
+
+/// Looks for the best split between bins: that of least m(L) · n_L + m(R) · n_R, of equal ones the first.
+class BinSweep {
+ public:
+  /// Of rows of up to `bins` bins, filled up or not. `measure` must outlive the sweep.
+  BinSweep(const Measure& measure, std::uint32_t bins);
+
+  /// `n`: triangles of a row.
+  [[nodiscard]] BinChoice best(const BinRows& bins, std::int32_t n) {
+    return surface_area_ ? by_area(bins, n) : by_measure(bins, n);
+  }
+
+ private:
+  [[nodiscard]] BinChoice by_area(const BinRows& bins, std::int32_t n);
+  [[nodiscard]] BinChoice by_measure(const BinRows& bins, std::int32_t n);
+
+  const Measure* measure_;
+  bool surface_area_;
+  std::vector<float> right_;  ///< measure of a bin united with those after it in its row
 };
 
 }  // namespace raystudy::topdown

@@ -15,13 +15,7 @@ std::vector<ParamSpec> binned_params() {
 }
 
 BinnedSplitter::BinnedSplitter(const Measure& measure, std::uint32_t bins, int threads)
-    : measure_(&measure),
-      surface_area_(dynamic_cast<const SurfaceArea*>(&measure)),
-      most_(bins),
-      threads_(threads),
-      bins_((bins + 3) / 4 * 4),
-      odd_((bins + 3) / 4 * 4),
-      right_(bins_.boxes.size() + 1) {}
+    : most_(bins), threads_(threads), bins_((bins + 3) / 4 * 4), odd_((bins + 3) / 4 * 4), sweep_(measure, most_) {}
 
 void BinnedSplitter::Bins::clear(std::uint32_t row) {
   const WideBox empty = WideBox::empty();
@@ -117,63 +111,6 @@ void BinnedSplitter::fill_shared(std::span<const BoxRecord> records, const Binni
   for (const auto& part : parts) bins_.merge(*part, row_);
 }
 
-BinChoice BinnedSplitter::best_choice(const SurfaceArea&, std::int32_t n) {
-  const Float4 d;
-  const Int4 di;
-  const BoxRecord* boxes = bins_.boxes.data();
-  const std::int32_t* counts = bins_.counts.data();
-  float* rights = right_.data();
-  const auto bin = [&](std::uint32_t i) { return WideBox::of(boxes[i]); };
-  LeastCosts least;
-  const std::uint32_t row_size = row_;
-  for (std::uint32_t row = 0; row < 3 * row_size; row += row_size) {
-    WideBox right = WideBox::empty();
-    for (std::uint32_t i = row + row_size; i > row; i -= 4) {
-      hn::StoreU(grow<true>(right, bin(i - 1), bin(i - 2), bin(i - 3), bin(i - 4)), d, &rights[i - 4]);
-    }
-    WideBox left = WideBox::empty();
-    auto left_count = hn::Zero(di);
-    for (std::uint32_t i = row; i < row + row_size; i += 4) {
-      const auto lefts = running_sums(left_count, counts + i);
-      left_count = hn::Broadcast<3>(lefts);
-      const auto measures = grow<false>(left, bin(i), bin(i + 1), bin(i + 2), bin(i + 3));
-      least.consider(i, measures, hn::LoadU(d, &rights[i + 1]), lefts, hn::Sub(hn::Set(di, n), lefts));
-    }
-  }
-  return least.choice(row_size);
-}
-
-BinChoice BinnedSplitter::best_choice(const Measure& measure, std::int32_t n) {
-  const Float4 d;
-  const Int4 di;
-  const std::uint32_t size = 3 * row_;
-  std::vector<Box> lefts(size);
-  std::vector<Box> rights(size);
-  for (std::uint32_t row = 0; row < size; row += row_) {
-    WideBox left = WideBox::empty();
-    WideBox right = WideBox::empty();
-    for (std::uint32_t i = 0; i < row_; ++i) {
-      left = united(left, WideBox::of(bins_.boxes[row + i]));
-      lefts[row + i] = left.box();
-      right = united(right, WideBox::of(bins_.boxes[row + row_ - 1 - i]));
-      rights[row + row_ - 1 - i] = right.box();
-    }
-  }
-  std::vector<float> left_measures(size);
-  measure.evaluate(lefts, left_measures);
-  measure.evaluate(rights, std::span(right_).first(size));
-  LeastCosts least;
-  for (std::uint32_t row = 0; row < size; row += row_) {
-    auto left_count = hn::Zero(di);
-    for (std::uint32_t i = row; i < row + row_; i += 4) {
-      const auto counts = running_sums(left_count, &bins_.counts[i]);
-      left_count = hn::Broadcast<3>(counts);
-      least.consider(i, hn::LoadU(d, &left_measures[i]), hn::LoadU(d, &right_[i + 1]), counts, hn::Sub(hn::Set(di, n), counts));
-    }
-  }
-  return least.choice(row_);
-}
-
 Split BinnedSplitter::split(std::span<const BoxRecord> records, const NodeBounds& bounds) {
   const auto n = static_cast<std::uint32_t>(records.size());
   count_ = std::min(most_, 4 + n / 4);
@@ -189,8 +126,7 @@ Split BinnedSplitter::split(std::span<const BoxRecord> records, const NodeBounds
       fill(bins_, records, binning);
     }
   }
-  const auto triangles = static_cast<std::int32_t>(n);
-  const BinChoice choice = surface_area_ != nullptr ? best_choice(*surface_area_, triangles) : best_choice(*measure_, triangles);
+  const BinChoice choice = sweep_.best({bins_.boxes.data(), bins_.counts.data(), row_}, static_cast<std::int32_t>(n));
   if (choice.axis < 0) return {{.axis = bounds.box.box().longest_axis()}, 0};
   return {binning.plane(choice.axis, choice.bin), static_cast<std::uint32_t>(choice.left)};
 }

@@ -68,19 +68,14 @@ class BinnedSplitter {
   static void fill(Bins& bins, std::span<const BoxRecord> records, const Binning& binning);
   void fill_alternating(std::span<const BoxRecord> records, const Binning& binning);
   void fill_shared(std::span<const BoxRecord> records, const Binning& binning);
-  /// Of splits between neighbouring bins of `n` triangles.
-  [[nodiscard]] BinChoice best_choice(const SurfaceArea&, std::int32_t n);
-  [[nodiscard]] BinChoice best_choice(const Measure& measure, std::int32_t n);
 
-  const Measure* measure_;
-  const SurfaceArea* surface_area_;  ///< measure_, if it is that
-  std::uint32_t most_;               ///< bins an axis, at most
-  std::uint32_t count_ = 0;          ///< bins an axis of the node at hand
-  std::uint32_t row_ = 0;            ///< slots of a row
+  std::uint32_t most_;       ///< bins an axis, at most
+  std::uint32_t count_ = 0;  ///< bins an axis of the node at hand
+  std::uint32_t row_ = 0;    ///< slots of a row
   int threads_;
   Bins bins_;
-  Bins odd_;                  ///< of every other triangle of a node of many
-  std::vector<float> right_;  ///< measure of a bin united with those after it in its row
+  Bins odd_;  ///< of every other triangle of a node of many
+  BinSweep sweep_;
 };
 
 }  // namespace raystudy::topdown

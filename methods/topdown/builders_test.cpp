@@ -7,6 +7,7 @@
 
 #include "harness/accel/validate.h"
 #include "harness/method/registry.h"
+#include "tests/support/twice_area.h"
 
 namespace raystudy {
 namespace {
@@ -84,23 +85,6 @@ std::size_t left_count(const Bvh2& bvh) {
   }
   return count;
 }
-
-/// Twice the surface area: every comparison comes out as with the surface area, but through the path of any measure.
-class TwiceArea final : public Measure {
- public:
-  void evaluate(std::span<const Box> boxes, std::span<float> out) const override {
-    for (std::size_t i = 0; i < boxes.size(); ++i) out[i] = 2 * boxes[i].half_area();
-  }
-};
-class TwiceAreaHeuristic final : public Heuristic {
- public:
-  explicit TwiceAreaHeuristic(const Params&) {}
-  static MethodInfo info() { return {.name = "test-twice-area", .summary = "for tests", .citation = "none"}; }
-  [[nodiscard]] std::shared_ptr<const Measure> prepare(const Scene&, const BuildContext&) const override {
-    return std::make_shared<TwiceArea>();
-  }
-};
-const Registration<TwiceAreaHeuristic> registration;
 
 struct Variant {
   std::string name;
