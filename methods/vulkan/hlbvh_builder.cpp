@@ -7,8 +7,8 @@
 
 #include "harness/base/error.h"
 #include "harness/method/registry.h"
-#include "methods/vulkan/download_tree.h"
 #include "methods/vulkan/lbvh_tree.h"
+#include "methods/vulkan/ordered_build.h"
 #include "methods/vulkan/treelet_tree.h"
 
 namespace raystudy::gpu {
@@ -41,30 +41,22 @@ class Hlbvh final : public Builder {
   }
 
   [[nodiscard]] std::unique_ptr<Accel> build(const Scene& scene, const BuildContext& context) const override {
-    vulkan::Device& device = vulkan::Device::shared();
-    auto bvh = std::make_unique<Bvh2>();
-    if (scene.triangles.empty()) return bvh;
-    device.reset_peak_bytes();
-    const DeviceScene on_device(device, scene);
     const auto bits = static_cast<std::uint32_t>(std::stoi(params_.text("morton_bits")));
-    MortonOrder order(device, on_device, bits);
-    std::vector<vulkan::PartTime> parts = order.build();
-    const bool sah = params_.text("split") == "sah";
-    const std::uint32_t least_depth = sah ? depth_of_prefix(bits, static_cast<std::uint32_t>(params_.integer("sah_bits"))) : 0;
-    LbvhLeaves leaves(device, order, static_cast<std::uint32_t>(params_.integer("max_leaf_triangles")), least_depth);
-    leaves.find(parts);
-    double download = 0;
-    if (sah) {
-      TreeletTree tree(device, leaves, least_depth, static_cast<std::uint32_t>(params_.integer("bins")));
-      tree.build(parts);
-      download = download_tree(device, tree.nodes(), leaves.count(), tree.triangles(), order.count(), *bvh);
-    } else {
+    return build_in_morton_order(scene, bits, context, [this, bits](MortonOrder& order, auto& parts, Bvh2& bvh) {
+      vulkan::Device& device = vulkan::Device::shared();
+      const bool sah = params_.text("split") == "sah";
+      const std::uint32_t least_depth = sah ? depth_of_prefix(bits, static_cast<std::uint32_t>(params_.integer("sah_bits"))) : 0;
+      LbvhLeaves leaves(device, order, static_cast<std::uint32_t>(params_.integer("max_leaf_triangles")), least_depth);
+      leaves.find(parts);
+      if (sah) {
+        TreeletTree tree(device, leaves, least_depth, static_cast<std::uint32_t>(params_.integer("bins")));
+        tree.build(parts);
+        return download_tree(device, tree.nodes(), leaves.count(), tree.triangles(), order.count(), bvh);
+      }
       LbvhTree tree(device, leaves, Construction::apetrei);
       tree.build(parts);
-      download = download_tree(device, tree.nodes(), leaves.count(), order.order(), order.count(), *bvh);
-    }
-    report(context.device, parts, on_device.upload_seconds(), download, device.peak_bytes());
-    return bvh;
+      return download_tree(device, tree.nodes(), leaves.count(), order.order(), order.count(), bvh);
+    });
   }
 
  private:

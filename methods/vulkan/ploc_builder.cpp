@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "harness/method/registry.h"
-#include "methods/vulkan/download_tree.h"
+#include "methods/vulkan/ordered_build.h"
 #include "methods/vulkan/ploc_tree.h"
 
 namespace raystudy::gpu {
@@ -28,18 +28,13 @@ class Ploc final : public Builder {
   }
 
   [[nodiscard]] std::unique_ptr<Accel> build(const Scene& scene, const BuildContext& context) const override {
-    vulkan::Device& device = vulkan::Device::shared();
-    auto bvh = std::make_unique<Bvh2>();
-    if (scene.triangles.empty()) return bvh;
-    device.reset_peak_bytes();
-    const DeviceScene on_device(device, scene);
-    MortonOrder order(device, on_device, static_cast<std::uint32_t>(std::stoi(params_.text("morton_bits"))));
-    std::vector<vulkan::PartTime> parts = order.build();
-    PlocTree tree(device, order, static_cast<std::uint32_t>(params_.integer("radius")));
-    tree.build(parts);
-    const double download = download_tree(device, tree.nodes(), order.count(), tree.triangles(), order.count(), *bvh);
-    report(context.device, parts, on_device.upload_seconds(), download, device.peak_bytes());
-    return bvh;
+    const auto bits = static_cast<std::uint32_t>(std::stoi(params_.text("morton_bits")));
+    return build_in_morton_order(scene, bits, context, [this](MortonOrder& order, auto& parts, Bvh2& bvh) {
+      vulkan::Device& device = vulkan::Device::shared();
+      PlocTree tree(device, order, static_cast<std::uint32_t>(params_.integer("radius")));
+      tree.build(parts);
+      return download_tree(device, tree.nodes(), order.count(), tree.triangles(), order.count(), bvh);
+    });
   }
 
  private:
