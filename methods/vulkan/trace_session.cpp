@@ -74,17 +74,18 @@ std::uint32_t GpuTraceSession::spilled_entries() const {
   return tree_->height() > shape_.stack_entries ? tree_->height() - shape_.stack_entries : 0;
 }
 
-std::uint32_t GpuTraceSession::groups_of(std::uint32_t rays) const {
-  const auto groups = static_cast<std::uint32_t>(groups_for(rays, shape_.group));
-  return shape_.persistent ? std::min(groups, shape_.groups) : groups;
+std::uint32_t GpuTraceSession::most_stacks() const {
+  if (spilled_entries() == 0) return rays_in_piece;
+  const std::size_t groups = spill_bytes / (spilled_entries() * entry_bytes) / shape_.group;
+  return static_cast<std::uint32_t>(std::clamp<std::size_t>(groups * shape_.group, shape_.group, rays_in_piece));
 }
 
-/// As many as have room for their stacks, one workgroup's at least.
-std::uint32_t GpuTraceSession::most_rays() const {
-  if (spilled_entries() == 0 || shape_.persistent) return rays_in_piece;
-  const std::size_t stacks = spill_bytes / (spilled_entries() * entry_bytes);
-  return static_cast<std::uint32_t>(std::clamp<std::size_t>(stacks / shape_.group * shape_.group, shape_.group, rays_in_piece));
+std::uint32_t GpuTraceSession::groups_of(std::uint32_t rays) const {
+  const auto groups = static_cast<std::uint32_t>(groups_for(rays, shape_.group));
+  return shape_.persistent ? std::min({groups, shape_.groups, most_stacks() / shape_.group}) : groups;
 }
+
+std::uint32_t GpuTraceSession::most_rays() const { return shape_.persistent ? rays_in_piece : most_stacks(); }
 
 const GpuTraceSession::Buffers& GpuTraceSession::buffers_for(std::size_t rays, bool counting) {
   const auto n = static_cast<std::uint32_t>(std::min<std::size_t>(rays, most_rays()));

@@ -58,7 +58,10 @@ class GpuTraceSession final : public TraceSession {
 
   /// Entries of an invocation's stack that are not at hand.
   [[nodiscard]] std::uint32_t spilled_entries() const;
+  /// Invocations whose stacks have room, one workgroup at least.
+  [[nodiscard]] std::uint32_t most_stacks() const;
   [[nodiscard]] std::uint32_t groups_of(std::uint32_t rays) const;
+  /// Of a piece.
   [[nodiscard]] std::uint32_t most_rays() const;
   const Buffers& buffers_for(std::size_t rays, bool counting);
   [[nodiscard]] const vulkan::Kernel& kernel(Query query, bool counting, bool long_rays);

@@ -23,12 +23,12 @@ layout(push_constant, scalar) uniform Push {
   Bits pairs;
   Bits triangles;
   Bits rays;
-  Uints hits;     // t, triangle, u, v of each ray
-  Uints counts;   // inner nodes, leaves, boxes, triangles of each ray
-  Entries spill;  // entry e beyond those at hand of invocation i: [e · invocations + i]
-  Uints progress;  // the next ray to be fetched; the number of unfinished rays
+  Uints hits;        // t, triangle, u, v of each ray
+  Uints counts;      // inner nodes, leaves, boxes, triangles of each ray
+  Entries spill;     // entry e beyond those at hand of invocation i: [e · invocations + i]
+  Uints progress;    // the next ray to be fetched; the number of unfinished rays
   Uints unfinished;  // their numbers; of long rays those to be traced
-  Uints states;  // of long rays: word k of invocation i: [k · invocations + i]
+  Uints states;      // of long rays: word k of invocation i: [k · invocations + i]
   vec3 lower;  // the tree's box
   vec3 upper;
   uint root;
