@@ -20,7 +20,7 @@ class LargeSplits {
 
   LargeSplits(vulkan::Device& device, const SahMemory& memory, const SahParams& params, std::uint32_t count);
 
-  /// Bytes for the splits of a scene of `count` triangles.
+  /// The most such nodes of a level, in a scene of `count` triangles.
   [[nodiscard]] static std::uint32_t most_nodes(std::uint32_t count) { return count / (segment + 1); }
 
   /// Finds the splits of nodes of one level and writes their children. The commands end with a barrier, as those below do.
