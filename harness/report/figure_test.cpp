@@ -115,15 +115,6 @@ TEST_F(FigureTest, ALineIsASeriesOverItsAxis) {
   EXPECT_THAT(gaps, testing::ElementsAre("2 points at 0 have no place on a logarithmic axis"));
 }
 
-TEST_F(FigureTest, AnAxisThatCountsHasNoTicksBetweenWholeNumbers) {
-  figure.kind = "line";
-  figure.options = {{"y", "frame_cost"}, {"x", "axis"}, {"log_x", "false"}, {"log_y", "false"}};
-  results.front().series["frame_cost"] = {.x_name = "frame", .x_unit = "1", .unit = "1", .x = {0, 1, 2}, .y = {50, 51, 52}};
-  EXPECT_EQ(spec()["encoding"]["x"]["axis"]["tickMinStep"], 1);
-  figure.options["y"] = "cost_over_time";
-  EXPECT_FALSE(spec()["encoding"]["x"]["axis"].contains("tickMinStep")) << "seconds are not counted";
-}
-
 TEST_F(FigureTest, ALineCanBeANumberOverTriangles) {
   figure.kind = "line";
   figure.options = {{"y", "total_time"}, {"x", "triangles"}, {"log_x", "true"}, {"log_y", "true"}};

@@ -38,8 +38,6 @@ Json series_plot(const FigureSpec& figure, const Report& report, std::vector<std
   const auto format = [&figure](const char* log) { return is_logarithmic(figure, log) ? "~g" : "~r"; };
   Json encoding{{"x", axis(figure, "x", with_unit(x_name, first.x_unit), "log_x", format("log_x"))},
                 {"y", axis(figure, "y", with_unit(y_name, first.unit), "log_y", format("log_y"))}};
-  // Frames and levels are counted: a short animation has no frame 0.5.
-  if (first.x_unit == "1" && !is_logarithmic(figure, "log_x")) encoding["x"]["axis"]["tickMinStep"] = 1;
   add_styles(encoding, figure);
   return panels(figure, scenes, std::move(rows),
                 {{"width", 420},
