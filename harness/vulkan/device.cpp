@@ -79,6 +79,7 @@ std::size_t find_device(const std::vector<DeviceInfo>& infos, std::string_view c
 vk::raii::PhysicalDevice choose(const Instance& instance, std::string_view choice) {
   std::vector<vk::raii::PhysicalDevice> devices = instance.devices();
   std::vector<DeviceInfo> infos;
+  infos.reserve(devices.size());
   for (const vk::raii::PhysicalDevice& physical : devices) infos.push_back(describe(physical));
   return std::move(devices[find_device(infos, choice)]);
 }
