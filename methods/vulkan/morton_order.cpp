@@ -1,29 +1,10 @@
 #include "methods/vulkan/morton_order.h"
 
 #include "harness/geometry/box.h"
+#include "methods/vulkan/order_pushes.h"
 
 namespace raystudy::gpu {
 namespace {
-
-struct BoundsPush {
-  std::uint64_t vertices;
-  std::uint64_t triangles;
-  std::uint64_t boxes;
-  std::uint64_t bounds;
-  std::uint32_t count;
-};
-struct GridPush {
-  std::uint64_t bounds;
-  std::uint64_t grid;
-  std::uint32_t bits;
-};
-struct MortonPush {
-  std::uint64_t boxes;
-  std::uint64_t grid;
-  std::uint64_t low;
-  std::uint64_t high;
-  std::uint32_t count;
-};
 
 constexpr std::size_t half_bounds_bytes = 3 * sizeof(std::uint32_t);
 

@@ -6,19 +6,13 @@
 #include <vector>
 
 #include "methods/vulkan/download_tree.h"
+#include "methods/vulkan/order_pushes.h"
 
 namespace raystudy::gpu {
 namespace {
 
 constexpr std::size_t word = sizeof(std::uint32_t);
 
-struct BoundsPush {
-  std::uint64_t vertices;
-  std::uint64_t triangles;
-  std::uint64_t boxes;
-  std::uint64_t bounds;
-  std::uint32_t count;
-};
 struct BeginPush {
   std::uint64_t bounds;
   std::uint64_t indices;

@@ -5,6 +5,7 @@
 #include "harness/geometry/box.h"
 #include "methods/vulkan/device_shape.h"
 #include "methods/vulkan/download_tree.h"
+#include "methods/vulkan/order_pushes.h"
 
 namespace raystudy::gpu {
 namespace {
@@ -12,18 +13,6 @@ namespace {
 constexpr std::size_t word = sizeof(std::uint32_t);
 constexpr std::uint32_t code_bits = 30;
 
-struct GridPush {
-  std::uint64_t bounds;
-  std::uint64_t grid;
-  std::uint32_t bits;
-};
-struct MortonPush {
-  std::uint64_t boxes;
-  std::uint64_t grid;
-  std::uint64_t low;
-  std::uint64_t high;
-  std::uint32_t count;
-};
 struct CellsPush {
   std::uint64_t boxes;
   std::uint64_t indices;
