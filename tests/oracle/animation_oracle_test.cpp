@@ -17,12 +17,18 @@
 #include "harness/scene/catalog.h"
 #include "harness/scene/open.h"
 #include "harness/scene/procedural.h"
+#include "harness/vulkan/device.h"
 #include "tests/support/test_name.h"
 
 namespace raystudy {
 namespace {
 
 constexpr int threads = 2;
+
+bool works_here(const Registry::Entry& entry) {
+  static const bool has_device = !vulkan::list_devices().empty();
+  return has_device || !entry.info.on_device;
+}
 
 /// One frame, its rays and the reference's hits.
 struct Frame {
@@ -46,7 +52,7 @@ struct Frame {
   /// By every tracer of that kind of structure.
   void check(const Accel& accel, const std::string& label) const {
     for (const Registry::Entry* entry : Registry::instance().entries()) {
-      if (entry->role != Role::tracer || entry->info.accel != accel.kind()) continue;
+      if (entry->role != Role::tracer || entry->info.accel != accel.kind() || !works_here(*entry)) continue;
       const auto tracer = Registry::instance().create<Tracer>(Registry::instance().ref(Role::tracer, entry->info.name));
       for (std::size_t b = 0; b < batches.size(); ++b) {
         const RayBatch& batch = batches[b];
@@ -71,6 +77,7 @@ void check_animation(const Scene& scene) {
   const TreeBuild build = [&](const Scene& part) { return builder->build(part, context); };
   std::map<std::string, std::unique_ptr<UpdateSession>> sessions;
   for (const std::string& name : registry.names(Role::updater)) {
+    if (!works_here(registry.get(Role::updater, name))) continue;
     sessions[name] = registry.create<Updater>(registry.ref(Role::updater, name))->prepare(scene, times, build, context);
   }
   for (std::size_t f = 0; f < times.size(); ++f) {
