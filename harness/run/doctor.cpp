@@ -120,6 +120,7 @@ std::vector<Finding> examine_devices(const std::vector<vulkan::DeviceInfo>& devi
              "install the driver of the GPU, or mesa-vulkan-drivers for a device on the processor"}};
   }
   std::vector<Finding> all;
+  all.reserve(devices.size());
   for (const vulkan::DeviceInfo& d : devices) {
     all.push_back({"devices", d.unfit.empty() ? Health::ok : Health::missing, d.name,
                    fmt::format("{}, {}, {} of memory", d.type, d.driver, bytes_text(static_cast<double>(d.memory))),
