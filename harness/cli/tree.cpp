@@ -143,7 +143,7 @@ void prove_usable(const Accel& tree, const Scene& scene, const Options& o) {
   const RayBatch batch = registry.create<Workload>(workload)->generate(scene, {.seed = o.seed, .closest_hits = {}});
   std::vector<Hit> reference(batch.rays.size());
   ReferenceTracer(scene, o.threads).trace(batch.rays, reference, Query::closest_hit);
-  const Oracle oracle(scene);
+  Oracle oracle(scene);
   for (const std::string& name : registry.names(Role::tracer)) {
     if (registry.get(Role::tracer, name).info.accel != tree.kind()) continue;
     const auto tracer = registry.create<Tracer>(registry.ref(Role::tracer, name));

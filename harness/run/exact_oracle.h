@@ -36,6 +36,8 @@ class ExactOracle {
  public:
   explicit ExactOracle(const Scene& scene);
 
+  [[nodiscard]] std::size_t triangle_count() const { return scene_.triangles.size(); }
+
   enum class Judgement : unsigned char {
     right,
     leak,  ///< wrong, but right if the triangles that the ray meets within δ of their edges were not there: it slipped between

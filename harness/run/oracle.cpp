@@ -51,15 +51,33 @@ bool Oracle::agree(const Ray& ray, const Hit& hit, const Hit& reference, Query q
   return hit.triangle == reference.triangle && exact_.is_on_triangle(ray, hit, 2 * delta);
 }
 
+const ExactOracle::Verdict& Oracle::judge(const Ray& ray, const Hit& hit, const Hit& reference, Query query) {
+  Hit found = hit;
+  Hit other = reference;
+  if (query == Query::any_hit) {
+    // All hits are one answer, but for those of a triangle that the scene has not.
+    found = {.triangle = hit.triangle < exact_.triangle_count() ? 0 : hit.triangle};
+    other = {};
+  }
+  std::string asked(1, static_cast<char>(query));
+  const auto append = [&](const auto& value) { asked.append(reinterpret_cast<const char*>(&value), sizeof(value)); };
+  append(ray);
+  append(found);
+  append(other);
+  const auto known = verdicts_.find(asked);
+  if (known != verdicts_.end()) return known->second;
+  return verdicts_.emplace(std::move(asked), exact_.judge(ray, found, query, other)).first->second;
+}
+
 OracleReport Oracle::check(std::span<const Ray> rays, std::span<const Hit> hits, std::span<const Hit> reference, Query query,
-                           bool watertight, std::size_t samples) const {
+                           bool watertight, std::size_t samples) {
   if (hits.size() != rays.size() || reference.size() != rays.size()) {
     throw std::logic_error("as many hits and reference hits as rays are needed");
   }
   OracleReport report;
   report.rays = rays.size();
-  const auto judge = [&](std::size_t i) {
-    const ExactOracle::Verdict verdict = exact_.judge(rays[i], hits[i], query, reference[i]);
+  const auto decide = [&](std::size_t i) {
+    const ExactOracle::Verdict& verdict = judge(rays[i], hits[i], reference[i], query);
     if (verdict.judgement == ExactOracle::Judgement::right) return;
     if (verdict.judgement == ExactOracle::Judgement::leak && !watertight) {
       ++report.leaks;
@@ -72,10 +90,10 @@ OracleReport Oracle::check(std::span<const Ray> rays, std::span<const Hit> hits,
   for (std::size_t i = 0; i < rays.size() && report.wrong < most_wrong; ++i) {
     if (!agree(rays[i], hits[i], reference[i], query)) {
       ++report.disputed;
-      judge(i);
+      decide(i);
     } else if (i % stride == stride / 2) {
       ++report.sampled;
-      judge(i);
+      decide(i);
     }
   }
   return report;

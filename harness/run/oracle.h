@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "harness/accel/accel.h"
@@ -35,7 +36,7 @@ struct OracleReport {
 
 /// Checks hits over whole buffers against a reference tracer's, and by CGAL's exact kernel on a sample and wherever the two
 /// differ: the exact kernel decides, so a reference that is wrong itself fails nobody else (exact_oracle.h says what right
-/// means).
+/// means). It remembers its verdicts: many structures over one scene give one answer for a ray. One thread at a time.
 class Oracle {
  public:
   /// The scene must outlive it.
@@ -44,11 +45,13 @@ class Oracle {
   /// `samples` rays, spread evenly over the buffer, are checked exactly even where hits agree. A hit lost between triangles is
   /// wrong for a `watertight` tracer (TraceSession::watertight) and counted as a leak for another.
   [[nodiscard]] OracleReport check(std::span<const Ray> rays, std::span<const Hit> hits, std::span<const Hit> reference,
-                                   Query query, bool watertight = true, std::size_t samples = 64) const;
+                                   Query query, bool watertight = true, std::size_t samples = 64);
 
  private:
   [[nodiscard]] bool agree(const Ray& ray, const Hit& hit, const Hit& reference, Query query) const;
+  [[nodiscard]] const ExactOracle::Verdict& judge(const Ray& ray, const Hit& hit, const Hit& reference, Query query);
   ExactOracle exact_;
+  std::unordered_map<std::string, ExactOracle::Verdict> verdicts_;  ///< by the bytes of what was asked
 };
 
 /// Oracle(scene).check(...), for a single buffer.

@@ -136,6 +136,25 @@ TEST_F(PlantedHits, IndexOutOfRange) {
   EXPECT_EQ(check().wrong, 1U);
 }
 
+TEST_F(PlantedHits, AreFoundByAnOracleThatHasSeenRightOnes) {
+  Oracle oracle(scene);
+  const auto wrong = [&](Query query) { return oracle.check(rays, hits, reference, query, true, rays.size()).wrong; };
+  EXPECT_EQ(wrong(Query::closest_hit), 0U);
+  EXPECT_EQ(wrong(Query::any_hit), 0U);
+  const Hit right = hits[index];
+  hits[index].u += 0.1F;
+  EXPECT_EQ(wrong(Query::closest_hit), 1U);
+  hits[index] = {};
+  EXPECT_EQ(wrong(Query::closest_hit), 1U);
+  EXPECT_EQ(wrong(Query::any_hit), 1U);
+  hits[index].triangle = 100000;
+  EXPECT_EQ(wrong(Query::any_hit), 1U);
+  hits[index] = right;
+  rays[index].tmax = 0.5F * right.t;
+  EXPECT_EQ(wrong(Query::closest_hit), 1U);
+  EXPECT_EQ(wrong(Query::any_hit), 1U);
+}
+
 TEST_F(PlantedHits, WrongDistance) {
   hits[index].t *= 1.0001F;
   EXPECT_EQ(check().wrong, 1U);

@@ -123,7 +123,8 @@ Schedule best_schedule(bool coherent, std::size_t bytes) {
 }
 
 std::size_t instruction_set(Simd simd) {
-  const std::int64_t usable = hwy::SupportedTargets() & HWY_TARGETS;
+  // Asked once: CPUID ends in the hypervisor of a virtual machine, tens of microseconds a time.
+  static const std::int64_t usable = hwy::SupportedTargets() & HWY_TARGETS;
   if (simd == Simd::best && (usable & HWY_AVX3) != 0) return 0;
   if ((usable & HWY_AVX2) != 0) return 1;
   if (simd == Simd::avx2) throw Error("this processor has no AVX2; expected simd: auto");

@@ -70,7 +70,7 @@ TEST_P(Tracers, AgreeWithTheOracle) {
     if (!item.within_embree_range && GetParam().accel == "embree") continue;
     const std::vector<Ray> rays = conformance_rays(item.scene);
     const std::vector<Hit> reference = closest_hits(item.scene, rays);
-    const Oracle oracle(item.scene);
+    Oracle oracle(item.scene);
     for (const auto& [label, accel] : accels_of(GetParam().accel, item.scene)) {
       for (const Query query : {Query::closest_hit, Query::any_hit}) {
         std::vector<std::vector<Hit>> hits;

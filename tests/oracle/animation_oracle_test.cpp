@@ -50,7 +50,7 @@ struct Frame {
   }
 
   /// By every tracer of that kind of structure.
-  void check(const Accel& accel, const std::string& label) const {
+  void check(const Accel& accel, const std::string& label) {
     for (const Registry::Entry* entry : Registry::instance().entries()) {
       if (entry->role != Role::tracer || entry->info.accel != accel.kind() || !works_here(*entry)) continue;
       const auto tracer = Registry::instance().create<Tracer>(Registry::instance().ref(Role::tracer, entry->info.name));
@@ -81,7 +81,7 @@ void check_animation(const Scene& scene) {
     sessions[name] = registry.create<Updater>(registry.ref(Role::updater, name))->prepare(scene, times, build, context);
   }
   for (std::size_t f = 0; f < times.size(); ++f) {
-    const Frame frame(scene_at(scene, times[f]));
+    Frame frame(scene_at(scene, times[f]));
     for (const auto& [name, session] : sessions) {
       const std::string label = scene.name + ", frame " + std::to_string(f) + ", " + name;
       const auto& tree = dynamic_cast<const Bvh2&>(*session->update(frame.scene, f).accel);

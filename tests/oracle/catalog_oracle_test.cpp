@@ -95,7 +95,7 @@ std::vector<Traced> workloads(const Scene& scene, ReferenceTracer& reference) {
 
 void check_scene(const Scene& scene) {
   const Registry& registry = Registry::instance();
-  const Oracle oracle(scene);
+  Oracle oracle(scene);
   ReferenceTracer reference(scene, 2);
   const std::vector<Traced> buffers = workloads(scene, reference);
   const bool has_device = !vulkan::list_devices().empty();
