@@ -59,7 +59,7 @@ struct BuildContext {
   int threads = 1;
   std::uint64_t seed = 1;
   CostModel cost;
-  std::vector<CostSample>* cost_trace = nullptr;  ///< filled by optimizers where not null
+  std::vector<CostSample>* cost_trace = nullptr;  ///< filled by optimizers where not null, up to the tree that comes out
   DeviceTimes* device = nullptr;                  ///< filled by methods that work on a device, where not null
   const std::atomic<bool>* stop = nullptr;        ///< where it turns true, long work ends early with a valid result
   [[nodiscard]] bool stop_requested() const { return stop != nullptr && stop->load(std::memory_order_relaxed); }

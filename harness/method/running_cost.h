@@ -50,7 +50,8 @@ class RunningCost {
 };
 
 /// What an optimizer of whole trees begins and ends with: `edit(PairTree&, measure, start)` changes a copy of `bvh` and returns
-/// whether it takes its place. A tree of fewer than three leaves has one form only and stays.
+/// whether it takes its place. A tree of fewer than three leaves has one form only and stays. The trace ends with what the tree
+/// costs that comes out.
 template <class Edit>
 void edit_as_pairs(Bvh2& bvh, const BuildContext& context, const Edit& edit) {
   const auto start = RunningCost::Clock::now();
@@ -60,7 +61,12 @@ void edit_as_pairs(Bvh2& bvh, const BuildContext& context, const Edit& edit) {
   }
   PairTree tree(bvh);
   const bool take = visit_measure(*context.cost.measure, [&](const auto& measure) -> bool { return edit(tree, measure, start); });
-  if (take) tree.write_to(bvh);
+  if (take) {
+    tree.write_to(bvh);
+  } else if (context.cost_trace != nullptr && !context.cost_trace->empty()) {
+    const std::chrono::duration<double> spent = RunningCost::Clock::now() - start;
+    context.cost_trace->push_back({spent.count(), context.cost_trace->front().cost});
+  }
 }
 
 }  // namespace raystudy

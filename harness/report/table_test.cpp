@@ -312,6 +312,9 @@ TEST_F(TableTest, OneNumberOfASeriesOverTime) {
   EXPECT_EQ(cell(build(), 0, 0).reason, "the 71 that insertion ends with; sah ends with 72.5");
   column.methods = {"insertion"};
   column.until = "sah";
+  result("sibenik-ogre", "sah").series["cost_over_time"].y = {80, 81, 80};
+  EXPECT_EQ(cell(build(), 0, 0).absence, "none");
+  EXPECT_EQ(cell(build(), 0, 0).reason, "sah ends no lower than it begins, with 80");
   result("sibenik-ogre", "sah").series.clear();
   EXPECT_EQ(cell(build(), 0, 0).reason, "sah has no 'cost_over_time' to come down to");
 }

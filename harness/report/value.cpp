@@ -81,6 +81,11 @@ void read_series(Found& found, const ColumnSpec& column, const ValuePlace& place
     found.reason = fmt::format("{} has no '{}' to come down to", column.until, column.metric);
     return;
   }
+  if (goal->y.back() >= goal->y.front()) {
+    found.absence = "none";
+    found.reason = fmt::format("{} ends no lower than it begins, with {:.4g}", column.until, goal->y.front());
+    return;
+  }
   const auto reached = std::find_if(series->y.begin(), series->y.end(), [&](double y) { return y <= goal->y.back(); });
   if (reached == series->y.end()) {
     found.absence = "not reached";

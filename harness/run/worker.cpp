@@ -208,9 +208,7 @@ BuildContext Worker::context_of(const PipelineWork& work) const {
 /// The build whose tree is measured and traced; the timed ones come later.
 void Worker::build(PipelineWork& work) {
   work.pipeline = std::make_unique<Pipeline>(plan_.pipelines[work.index]);
-  std::vector<CostSample> trace;
-  BuildContext context = context_of(work);
-  context.cost_trace = &trace;
+  const BuildContext context = context_of(work);
   const ThreadLimit limit(context.threads);
   const PeakMemory peak;
   work.accel = work.pipeline->run(*scene_, context, work.first_times,
@@ -219,7 +217,6 @@ void Worker::build(PipelineWork& work) {
     work.build_result.values["peak_memory"] = {ValueClass::absolute, "bytes", {*bytes}};
   }
   work.build_result.values["triangles"] = exact("1", static_cast<double>(scene_->triangles.size()));
-  add_cost_trace(work.build_result, trace);
 }
 
 void Worker::measure_tree(PipelineWork& work, const Accel& accel, const Scene& scene) {

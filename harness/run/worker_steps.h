@@ -63,6 +63,7 @@ struct PipelineWork {
   std::unique_ptr<Pipeline> pipeline;
   StageTimes first_times;  ///< of the build that is not timed
   CellResult build_result;
+  std::vector<std::vector<CostSample>> cost_traces;  ///< of each timed build, where it optimizes
   std::unique_ptr<Accel> accel;  ///< kept where it is traced
   std::vector<std::unique_ptr<TraceWork>> traces;
 };

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numeric>
 
 #include "harness/run/memory.h"
@@ -27,6 +28,15 @@ void add_common_times(CellResult& result, const std::vector<TimedSample>& sample
   result.values["iterations"] = timed("1", samples, [](const TimedSample& s) { return s.iterations; });
 }
 
+/// That of the build which took the median time: builds of one method take the same steps, each in its own time.
+std::vector<CostSample> middle_trace(std::vector<std::vector<CostSample>>& traces) {
+  if (traces.empty()) return {};
+  const auto middle = traces.begin() + static_cast<std::ptrdiff_t>(traces.size() / 2);
+  std::nth_element(traces.begin(), middle, traces.end(),
+                   [](const auto& a, const auto& b) { return a.back().seconds < b.back().seconds; });
+  return *middle;
+}
+
 }  // namespace
 
 TimedWork Worker::timed_build(PipelineWork& work) {
@@ -35,7 +45,9 @@ TimedWork Worker::timed_build(PipelineWork& work) {
   timed_work.name = plan_.pipelines[work.index].label + "/build";
   timed_work.run_once = [this, cell, &work] {
     const MemoryLimit limit(plan_.memory_limit_bytes);
-    const BuildContext context = context_of(work);
+    std::vector<CostSample> trace;
+    BuildContext context = context_of(work);
+    context.cost_trace = &trace;
     const ThreadLimit threads(context.threads);
     StageTimes times;
     std::unique_ptr<Accel> accel =
@@ -43,11 +55,13 @@ TimedWork Worker::timed_build(PipelineWork& work) {
     board_.add_time(Spent::measured, times.total() + times.device.upload + times.device.download);
     const double built = Board::now_seconds();
     accel.reset();
+    if (!trace.empty()) work.cost_traces.push_back(std::move(trace));
     board_.add_time(Spent::set_up, Board::now_seconds() - built);
     return lap_of(times, times.total());
   };
   timed_work.finished = [this, cell, &work](const std::vector<TimedSample>& samples) {
     add_stage_times(work, samples);
+    add_cost_trace(work.build_result, middle_trace(work.cost_traces));
     send(cell, work.build_result);
   };
   return timed_work;

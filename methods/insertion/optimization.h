@@ -53,7 +53,10 @@ class Optimization {
       running_.record(now);
       if (progress.add_pass(now) && options_.keep_best) best_ = tree_;
     }
-    if (best_) tree_ = *best_;
+    if (best_) {
+      tree_ = *best_;
+      running_.record(progress.least());
+    }
     return best_ || cost() <= first;
   }
 

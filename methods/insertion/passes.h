@@ -41,6 +41,7 @@ class Progress {
     return false;
   }
 
+  [[nodiscard]] double least() const { return least_; }
   [[nodiscard]] bool selects_at_random() const { return random_; }
   [[nodiscard]] bool is_done() const {
     return stalled_ >= options_.stop_passes || (options_.max_passes > 0 && passes_ >= options_.max_passes);

@@ -22,7 +22,7 @@
 namespace raystudy {
 namespace {
 
-constexpr std::array catalog_scenes{"sibenik-ogre", "sponza-dabrovic", "conference", "sponza-crytek"};
+constexpr std::array catalog_scenes{"sibenik-ogre", "sponza-dabrovic", "conference", "sponza-crytek", "dragon"};
 
 struct Input {
   Scene scene;
@@ -139,7 +139,7 @@ void print_cost_over_time(const std::string& scene) {
     std::sort(s.runs.begin(), s.runs.end(), [](const Run& a, const Run& b) { return a.seconds < b.seconds; });
     fmt::print("{:>22}", fmt::format("{} x{}", s.optimizer, s.threads));
   }
-  for (const int ms : {5, 10, 15, 20, 30, 40, 50, 70, 100, 150, 200, 300, 500, 1000}) {
+  for (const int ms : {5, 10, 15, 20, 30, 40, 50, 70, 100, 150, 200, 300, 500, 1000, 1500, 2000, 3000, 5000}) {
     fmt::print("\n{:>8}", ms);
     for (const Series& s : all) {
       double least = std::numeric_limits<double>::infinity();
@@ -149,6 +149,10 @@ void print_cost_over_time(const std::string& scene) {
       fmt::print("{:>22.2f}", least);
     }
   }
+  fmt::print("\n{:>8}", "begin");
+  for (const Series& s : all) fmt::print("{:>22}", fmt::format("@ {:.1f}", 1e3 * s.runs[2].trace.front().seconds));
+  fmt::print("\n{:>8}", fmt::format("{:.2f}", insertions_end(scene, 0)));
+  for (const Series& s : all) fmt::print("{:>22}", fmt::format("@ {:.1f}", milliseconds_to(s.runs[2].trace, insertions_end(scene, 0))));
   fmt::print("\n{:>8}", "end");
   for (const Series& s : all) fmt::print("{:>22}", fmt::format("{:.2f} @ {:.0f}", s.runs[2].cost, 1e3 * s.runs[2].seconds));
   fmt::print("\n\n");

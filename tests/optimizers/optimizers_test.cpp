@@ -46,6 +46,7 @@ TEST_P(EveryOptimizer, GivesBackAValidTreeThatCostsNoMore) {
       }
       ASSERT_FALSE(trace.empty());
       EXPECT_NEAR(trace.front().cost, before, 1e-9 * before);
+      EXPECT_NEAR(trace.back().cost, after, 1e-5 * after);
       EXPECT_TRUE(std::is_sorted(trace.begin(), trace.end(), [](auto& a, auto& b) { return a.seconds < b.seconds; }));
     }
   }
