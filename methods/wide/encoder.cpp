@@ -33,7 +33,7 @@ class WideEncoder final : public Encoder {
                                  WideChild::most_in_leaf),
                    real_param("node_cost", 1, "what a ray pays for an inner node, with the test of its children's boxes", 0, 1e6),
                    real_param("leaf_cost", 0.6, "what it pays for a leaf", 0, 1e6),
-                   real_param("triangle_cost", 0.1, "what it pays for each triangle of a leaf", 0, 1e6),
+                   real_param("triangle_cost", 0.15, "what it pays for each triangle of a leaf", 0, 1e6),
                    choice_param("layout", node_order_names(), "which nodes lie next to each other in memory"),
                    choice_param("pages", pages_names(), "of memory: huge ones where the system grants them, or normal ones")},
         .accel = std::string(WideBvh::kind_name)};
