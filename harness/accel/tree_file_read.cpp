@@ -131,7 +131,8 @@ class Reader {
   }
 
   /// A triangle that no leaf holds would be found later; here it keeps a header from asking for more memory than the file has.
-  void read_triangles(std::vector<std::uint32_t>& triangles) const {
+  template <class Allocator>
+  void read_triangles(std::vector<std::uint32_t, Allocator>& triangles) const {
     read_elements(triangles_name, triangles);
     if (triangles.size() < header_.scene_triangles) {
       fail(fmt::format("refers to {} triangles", triangles.size()),

@@ -94,12 +94,12 @@ class WideBvh final : public Accel {
   using Nodes = std::variant<NodeArray<WideNode<4>>, NodeArray<WideNode<8>>, NodeArray<WideNode<16>>, NodeArray<QuantizedNode<4>>,
                              NodeArray<QuantizedNode<8>>, NodeArray<QuantizedNode<16>>>;
 
-  Nodes nodes;                           ///< nodes[0] is the root, parents before children; none where the scene is empty
-  std::vector<std::uint32_t> triangles;  ///< indices into Scene::triangles, leaf by leaf, without gaps
-  AlignedVector<float> corners;          ///< see corner(); padded so that 16 floats may be read from any row
-  Box bounds;                            ///< of all triangles
-  std::uint32_t height = 0;              ///< nodes on the longest way from the root to a leaf, the root included
-  bool duplicates = false;               ///< a triangle may be in several leaves
+  Nodes nodes;                             ///< nodes[0] is the root, parents before children; none where the scene is empty
+  AlignedVector<std::uint32_t> triangles;  ///< indices into Scene::triangles, leaf by leaf, without gaps
+  AlignedVector<float> corners;            ///< see row(); padded so that 16 floats may be read from any row
+  Box bounds;                              ///< of all triangles
+  std::uint32_t height = 0;                ///< nodes on the longest way from the root to a leaf, the root included
+  bool duplicates = false;                 ///< a triangle may be in several leaves
 
   /// Corners lie leaf by leaf: for a leaf of n triangles at `first`, nine rows of n floats begin at corners[9 · first]: the x of
   /// corner a of each triangle, of b, of c, then y and z alike. No padding: what a vector reads past a row belongs to the next.

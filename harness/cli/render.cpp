@@ -70,7 +70,7 @@ void declare(CLI::App& app, Options& o) {
                "In a row: the shaded picture, the steps of the builder's tree, and those after the optimizers");
   app.add_option("--builder", o.builder, "embree, or sweep-sah for a heat map, where none is named");
   app.add_option("--optimize", o.optimizers, "Optimizers in order");
-  app.add_option("--tracer", o.tracer, "The first that can trace what the builder makes where none is named");
+  app.add_option("--tracer", o.tracer, "Where none is named, the first that can trace what the builder makes, and needs no device");
   app.add_option("--workload", o.workloads, "Whose rays a heat map counts: primary and ambient-occlusion where none is named");
   app.add_option("--max-steps", o.max_steps, "The end of a heat map's colour scale")
       ->capture_default_str()
@@ -79,12 +79,16 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--threads", o.threads, "Threads")->capture_default_str()->check(CLI::Range(1, 1024));
 }
 
-/// The named tracer, or the first by name of those that trace `kind` and, for a heat map, count.
+/// The named tracer, or the first by name of those that trace `kind` and need no device.
 std::unique_ptr<Tracer> choose_tracer(const Options& o, const std::string& kind) {
   const Registry& registry = Registry::instance();
   std::vector<std::string> able;
+  std::string first;
   for (const std::string& name : registry.names(Role::tracer)) {
-    if (registry.get(Role::tracer, name).info.accel == kind) able.push_back(name);
+    const MethodInfo& info = registry.get(Role::tracer, name).info;
+    if (info.accel != kind) continue;
+    able.push_back(name);
+    if (first.empty() && !info.on_device) first = name;
   }
   const auto refuse = [&](const std::string& message) {
     throw Error(Diagnostic{{}, message, able.empty() ? "another builder" : fmt::format("one of {}", fmt::join(able, ", ")), {}});
@@ -94,10 +98,10 @@ std::unique_ptr<Tracer> choose_tracer(const Options& o, const std::string& kind)
     if (entry.info.accel != kind) {
       refuse(fmt::format("tracer '{}' cannot trace what builder '{}' makes ('{}')", o.tracer, o.builder, kind));
     }
-  } else if (able.empty()) {
+  } else if (first.empty()) {
     refuse(fmt::format("no tracer can trace what builder '{}' makes ('{}')", o.builder, kind));
   }
-  return registry.create<Tracer>({o.tracer.empty() ? able.front() : o.tracer, nullptr});
+  return registry.create<Tracer>({o.tracer.empty() ? first : o.tracer, nullptr});
 }
 
 std::vector<MethodRef> choose_workloads(const Options& o) {

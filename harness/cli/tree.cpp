@@ -24,6 +24,7 @@
 #include "harness/scene/procedural.h"
 #include "harness/spec/cell_id.h"
 #include "harness/spec/parse_pipeline.h"
+#include "harness/vulkan/device.h"
 
 namespace raystudy::cli {
 namespace {
@@ -145,7 +146,12 @@ void prove_usable(const Accel& tree, const Scene& scene, const Options& o) {
   ReferenceTracer(scene, o.threads).trace(batch.rays, reference, Query::closest_hit);
   Oracle oracle(scene);
   for (const std::string& name : registry.names(Role::tracer)) {
-    if (registry.get(Role::tracer, name).info.accel != tree.kind()) continue;
+    const MethodInfo& info = registry.get(Role::tracer, name).info;
+    if (info.accel != tree.kind()) continue;
+    if (info.on_device && vulkan::list_devices().empty()) {
+      fmt::print("{:<12} {}: there is no Vulkan device on this machine\n", "not traced", name);
+      continue;
+    }
     const auto tracer = registry.create<Tracer>(registry.ref(Role::tracer, name));
     const auto session = tracer->prepare(tree, scene, o.threads, false);
     for (const Query query : {Query::closest_hit, Query::any_hit}) {

@@ -5,12 +5,14 @@
 #include <bit>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "harness/base/parallel.h"
 #include "harness/method/method.h"
+#include "methods/topdown/compact.h"
 #include "methods/topdown/few_boxes.h"
 #include "methods/topdown/record_passes.h"
 #include "methods/topdown/sweep_orders.h"
@@ -53,7 +55,7 @@ class RecordBuild {
     TaskGroup tasks;
     tasks.run([&] { build_large(root, tasks); });
     tasks.wait();
-    if (leaves_.sah) compact(bvh_);
+    if (leaves_.sah) compact(bvh_, std::move(blocks_));
   }
 
  private:
@@ -98,6 +100,14 @@ class RecordBuild {
       descend(children[1]);
       descend(children[0]);
     }
+    if (leaves_.sah) add_block(part.subtree);
+  }
+
+  /// Closes the gaps of a subtree that is built, while it is in near caches.
+  void add_block(const Subtree& s) {
+    const SubtreeBlock block{s.node, s.pairs, close_gaps(bvh_.nodes, s.node, s.pairs)};
+    const std::lock_guard lock(blocks_lock_);
+    blocks_.push_back(block);
   }
 
   /// Makes the part's node and returns its children, or two parts of no triangles where it is a leaf.
@@ -191,6 +201,8 @@ class RecordBuild {
   std::span<BoxRecord> records_;
   Bvh2& bvh_;
   int threads_;
+  std::mutex blocks_lock_;
+  std::vector<SubtreeBlock> blocks_;  ///< where leaves leave gaps: the subtrees that are one task
 };
 
 /// The whole of Builder::build for a splitter.
@@ -202,16 +214,10 @@ std::unique_ptr<Accel> build_from_records(const Scene& scene, const BuildContext
   with_threads(context.threads, [&] {
     const std::size_t n = scene.triangles.size();
     BoxRecords records(n);
-    const auto allocate = [&] {
-      bvh->nodes.resize(2 * n);
-      bvh->triangles.resize(n);
-    };
-    if (context.threads == 1) {
-      allocate();
-      fill_records(scene, 1, records);
-    } else {
-      parallel_for_each(2, [&](std::size_t i) { i == 0 ? fill_records(scene, context.threads, records) : allocate(); });
-    }
+    fill_records(scene, context.threads, records);
+    bvh->nodes = AlignedVector<Bvh2Node>(2 * n, AlignedAllocator<Bvh2Node>::uninitialized());
+    bvh->nodes[1] = {};
+    bvh->triangles.resize(n);
     RecordBuild<Splitter>(splitter, leaves, measure, {records.data(), n}, *bvh, context.threads).run();
   });
   return bvh;

@@ -2,6 +2,7 @@
 
 #include "harness/base/parallel.h"
 #include "harness/method/registry.h"
+#include "methods/topdown/compact.h"
 #include "methods/topdown/sweep_build.h"
 
 namespace raystudy {
@@ -48,7 +49,7 @@ class SweepSah final : public Builder {
         topdown::SweepBuild<std::decay_t<decltype(m)>>(m, leaves, orders, *bvh, context.threads).run();
       });
     });
-    if (leaves.sah) topdown::compact(*bvh);
+    if (leaves.sah) bvh->nodes.resize(topdown::close_gaps(bvh->nodes, 0, 2));
     return bvh;
   }
 

@@ -43,7 +43,4 @@ struct LeafPolicy {
   }
 };
 
-/// Drops the slots that larger leaves left unused; the order of the rest (depth first, left before right) stays.
-void compact(Bvh2& bvh);
-
 }  // namespace raystudy::topdown

@@ -62,25 +62,57 @@ void set_boxes(QuantizedNode<W>& node, std::span<const Box> boxes) {
   }
 }
 
+namespace {
+
+/// W numbers, one a slot. GCC ignores the attribute where its size is a parameter's.
+template <int W>
+struct Lanes;
+template <>
+struct Lanes<4> {
+  using Floats = float __attribute__((vector_size(16)));
+  using Ints = std::int32_t __attribute__((vector_size(16)));
+};
+template <>
+struct Lanes<8> {
+  using Floats = float __attribute__((vector_size(32)));
+  using Ints = std::int32_t __attribute__((vector_size(32)));
+};
+template <>
+struct Lanes<16> {
+  using Floats = float __attribute__((vector_size(64)));
+  using Ints = std::int32_t __attribute__((vector_size(64)));
+};
+
+}  // namespace
+
 template <int W>
 SlotOrders<W> slot_orders(std::span<const Box> boxes) {
+  using Floats = typename Lanes<W>::Floats;
+  using Ints = typename Lanes<W>::Ints;
+  const std::size_t used = boxes.size();
+  const std::size_t unused = W - used;
+  Floats x{};
+  Floats y{};
+  Floats z{};
+  Ints slot{};
+  for (std::size_t i = 0; i < W; ++i) slot[i] = static_cast<std::int32_t>(i);
+  for (std::size_t i = 0; i < used; ++i) {
+    const Vec3 c = boxes[i].lower * 0.5F + boxes[i].upper * 0.5F;
+    x[i] = c.x, y[i] = c.y, z[i] = c.z;
+  }
   SlotOrders<W> orders;
   for (unsigned row = 0; row < orders.size(); ++row) {
-    const std::size_t unused = W - boxes.size();
-    for (std::size_t i = 0; i < unused; ++i) orders[row][i] = static_cast<std::uint8_t>(boxes.size() + i);
-    std::array<float, W> distances;  // of the slots in `orders`
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-      const Vec3 c = boxes[i].lower * 0.5F + boxes[i].upper * 0.5F;
-      const float distance = ((row & 1U) != 0 ? -c.x : c.x) + ((row & 2U) != 0 ? -c.y : c.y) + c.z;
-      // Insertion, the farthest first: for so few nothing is quicker.
-      std::size_t at = unused + i;
-      for (; at > unused && distances[at - 1] < distance; --at) {
-        distances[at] = distances[at - 1];
-        orders[row][at] = orders[row][at - 1];
-      }
-      distances[at] = distance;
-      orders[row][at] = static_cast<std::uint8_t>(i);
+    const Floats distance = ((row & 1U) != 0 ? -x : x) + ((row & 2U) != 0 ? -y : y) + z;
+    // A slot's place is the number of those before it: the farther ones, and of equals the earlier. Sums of three finite numbers
+    // may be infinite but are numbers, so that no two share a place.
+    Ints place{};
+    for (std::size_t i = 0; i < used; ++i) {
+      const Floats other = distance[i] - Floats{};
+      place -= (other > distance) | ((other == distance) & (slot > static_cast<std::int32_t>(i)));
     }
+    for (std::size_t i = 0; i < unused; ++i) orders[row][i] = static_cast<std::uint8_t>(used + i);
+    for (std::size_t i = 0; i < used; ++i)
+      orders[row][unused + static_cast<std::size_t>(place[i])] = static_cast<std::uint8_t>(i);
   }
   return orders;
 }
@@ -90,12 +122,9 @@ void check_triangle_count(std::size_t count) {
   throw Error(fmt::format("a wide tree can refer to {} triangles at most; this one has more", WideChild::most_first));
 }
 
-std::uint32_t append_leaf(WideBvh& bvh, const Scene& scene, std::span<const std::uint32_t> triangles) {
-  const std::size_t first = bvh.triangles.size();
-  check_triangle_count(first + triangles.size());
+std::uint32_t write_leaf(WideBvh& bvh, const Scene& scene, std::uint32_t first, std::span<const std::uint32_t> triangles) {
   const std::size_t n = triangles.size();
-  bvh.corners.resize(9 * (first + n));
-  float* const rows = bvh.corners.data() + 9 * first;
+  float* const rows = bvh.corners.data() + std::size_t{9} * first;
   for (std::size_t i = 0; i < n; ++i) {
     const Triangle& triangle = scene.triangles[triangles[i]];
     for (int corner = 0; corner < 3; ++corner) {
@@ -103,8 +132,8 @@ std::uint32_t append_leaf(WideBvh& bvh, const Scene& scene, std::span<const std:
       for (int axis = 0; axis < 3; ++axis) rows[n * static_cast<std::size_t>(3 * axis + corner) + i] = p[axis];
     }
   }
-  bvh.triangles.insert(bvh.triangles.end(), triangles.begin(), triangles.end());
-  return WideChild::leaf(static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(n));
+  std::copy(triangles.begin(), triangles.end(), bvh.triangles.begin() + first);
+  return WideChild::leaf(first, static_cast<std::uint32_t>(n));
 }
 
 template SlotOrders<4> slot_orders<4>(std::span<const Box>);

@@ -22,8 +22,8 @@ template <int W>
 /// Throws Error past the 2^27 triangles a tree can hold.
 void check_triangle_count(std::size_t count);
 
-/// Appends a leaf of 1 to 16 triangles with their corners (before the padding is there) and returns the slot's content. Throws
-/// Error past the 2^27 triangles a tree can hold.
-std::uint32_t append_leaf(WideBvh& bvh, const Scene& scene, std::span<const std::uint32_t> triangles);
+/// Writes a leaf of 1 to 16 triangles with their corners at `first` of a tree's triangles, where there is room for them, and
+/// returns the slot's content.
+std::uint32_t write_leaf(WideBvh& bvh, const Scene& scene, std::uint32_t first, std::span<const std::uint32_t> triangles);
 
 }  // namespace raystudy::wide

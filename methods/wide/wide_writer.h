@@ -29,20 +29,25 @@ class WideWriter {
     out.duplicates = bvh_.duplicates;
     if (bvh_.empty()) return;
     out.bounds = bvh_.nodes[0].box;
+    const std::size_t most = bvh_.triangles.size();
+    check_triangle_count(most);
+    // Written for the first time by whichever thread writes a leaf there.
+    out.triangles = AlignedVector<std::uint32_t>(most, AlignedAllocator<std::uint32_t>::uninitialized());
+    out.corners = AlignedVector<float>(9 * most + WideBvh::padding, AlignedAllocator<float>::uninitialized());
+    Leaves leaves{out, 0, 0};
     if (threads > 1) {
-      std::vector<Chunk> chunks =
-          divide(static_cast<std::uint32_t>(bvh_.triangles.size()) / (32 * static_cast<std::uint32_t>(threads)));
+      std::vector<Chunk> chunks = divide(static_cast<std::uint32_t>(most) / (32 * static_cast<std::uint32_t>(threads)), leaves);
       parallel_for_indices(chunks.size(), [&](std::size_t i) {
-        if (chunks[i].nodes.empty()) write_subtree(chunks[i].at, chunks[i].nodes, chunks[i].rest);
+        if (chunks[i].nodes.empty()) write_subtree(chunks[i].at, chunks[i].nodes, chunks[i].leaves);
       });
-      join(chunks, out);
-      return;
+      leaves.next = join(chunks, out);
+    } else {
+      write_subtree({root(), no_slot, 0, 1}, nodes, leaves);
+      out.height = leaves.height;
     }
-    out.triangles.reserve(bvh_.triangles.size());
-    out.corners.reserve(9 * bvh_.triangles.size() + WideBvh::padding);
-    nodes.reserve(bvh_.nodes.size() / (Node::width / 2));
-    write_subtree({root(), no_slot, 0, 1}, nodes, out);
-    out.corners.resize(9 * out.triangles.size() + WideBvh::padding, 0.0F);
+    out.triangles.resize(leaves.next);
+    out.corners.resize(9 * std::size_t{leaves.next} + WideBvh::padding);
+    std::fill(out.corners.end() - WideBvh::padding, out.corners.end(), 0.0F);
   }
 
  private:
@@ -71,16 +76,26 @@ class WideWriter {
     return {n, 0, 0, collapse_.is_leaf(n), collapse_.measure(n)};
   }
 
-  /// A part of the tree that is written by itself, with indices of its own: one node, or a subtree.
+  /// Where the next leaf of a part of the tree is written, and the deepest node of that part so far.
+  struct Leaves {
+    WideBvh& tree;
+    std::uint32_t next;
+    std::uint32_t height;
+  };
+
+  /// A part of the tree that is written by itself, with node indices of its own: one node, or a subtree.
   struct Chunk {
     Pending at;  ///< `parent`: the chunk that the parent is the node of
+    std::uint32_t first_triangle;
+    Leaves leaves;
     WideBvh::NodeArray<Node> nodes{};
-    WideBvh rest{};  ///< triangles, corners and height
-    std::size_t first_node = 0, first_triangle = 0;
+    std::uint32_t first_node = 0;
+    std::uint32_t gap = 0;  ///< triangles that its own have to move down by
   };
 
   /// Depth first from `top` on.
-  void write_subtree(const Pending& top, WideBvh::NodeArray<Node>& nodes, WideBvh& rest) const {
+  void write_subtree(const Pending& top, WideBvh::NodeArray<Node>& nodes, Leaves& leaves) const {
+    nodes.reserve(std::size_t{collapse_.triangles(top.part.node)} / (Node::width / 4));
     std::vector<Pending> pending{top};
     while (!pending.empty()) {
       const Pending next = pending.back();
@@ -88,58 +103,69 @@ class WideWriter {
       const auto index = static_cast<std::uint32_t>(nodes.size());
       if (index > 0) nodes[next.parent].child[next.slot] = index;
       nodes.emplace_back();
-      write_node(nodes[index], next, index, pending, rest);
+      write_node(nodes[index], next, index, pending, leaves);
     }
   }
 
   /// The tree in the order in which it is written: single nodes, which are written, and subtrees of at most `most` triangles.
-  [[nodiscard]] std::vector<Chunk> divide(std::uint32_t most) const {
+  /// Each has room for as many triangles as the binary tree refers to there.
+  [[nodiscard]] std::vector<Chunk> divide(std::uint32_t most, Leaves leaves) const {
     std::vector<Chunk> chunks;
     std::vector<Pending> pending{{root(), no_slot, 0, 1}};
     while (!pending.empty()) {
       const auto index = static_cast<std::uint32_t>(chunks.size());
-      chunks.push_back({pending.back()});
+      chunks.push_back({pending.back(), leaves.next, leaves});
       pending.pop_back();
       Chunk& chunk = chunks.back();
-      if (collapse_.triangles(chunk.at.part.node) <= most) continue;
+      const std::uint32_t count = chunk.at.part.count > 0 ? chunk.at.part.count : collapse_.triangles(chunk.at.part.node);
+      if (count <= most) {
+        leaves.next += count;
+        continue;
+      }
       chunk.nodes.emplace_back();
-      write_node(chunk.nodes[0], chunk.at, index, pending, chunk.rest);
+      write_node(chunk.nodes[0], chunk.at, index, pending, chunk.leaves);
+      leaves.next = chunk.leaves.next;
     }
     return chunks;
   }
 
-  void join(std::vector<Chunk>& chunks, WideBvh& out) const {
-    std::size_t node_count = 0;
-    std::size_t triangle_count = 0;
+  /// Puts the chunks' nodes behind one another; returns how many triangles they have.
+  std::uint32_t join(std::vector<Chunk>& chunks, WideBvh& out) const {
+    std::uint32_t node_count = 0;
+    std::uint32_t triangle_count = 0;
     for (Chunk& chunk : chunks) {
-      chunk.first_node = std::exchange(node_count, node_count + chunk.nodes.size());
-      chunk.first_triangle = std::exchange(triangle_count, triangle_count + chunk.rest.triangles.size());
-      out.height = std::max(out.height, chunk.rest.height);
+      chunk.first_node = std::exchange(node_count, node_count + static_cast<std::uint32_t>(chunk.nodes.size()));
+      out.height = std::max(out.height, chunk.leaves.height);
+      // Joined leaves of triangles with several references have left room unused.
+      const std::uint32_t count = chunk.leaves.next - chunk.first_triangle;
+      chunk.gap = chunk.first_triangle - triangle_count;
+      if (chunk.gap > 0) move_down(out, chunk.first_triangle, count, triangle_count);
+      triangle_count += count;
     }
-    check_triangle_count(triangle_count);
     auto& nodes = std::get<WideBvh::NodeArray<Node>>(out.nodes);
-    nodes.resize(node_count);
-    out.triangles.resize(triangle_count);
-    out.corners.resize(9 * triangle_count + WideBvh::padding, 0.0F);
+    nodes = WideBvh::NodeArray<Node>(node_count, AlignedAllocator<Node>::uninitialized());
     parallel_for_indices(chunks.size(), [&](std::size_t i) {
       const Chunk& chunk = chunks[i];
       for (std::size_t n = 0; n < chunk.nodes.size(); ++n) nodes[chunk.first_node + n] = moved(chunk.nodes[n], chunk);
-      std::copy(chunk.rest.triangles.begin(), chunk.rest.triangles.end(),
-                out.triangles.begin() + static_cast<std::ptrdiff_t>(chunk.first_triangle));
-      std::copy(chunk.rest.corners.begin(), chunk.rest.corners.end(),
-                out.corners.begin() + static_cast<std::ptrdiff_t>(9 * chunk.first_triangle));
     });
     for (const Chunk& chunk : chunks) {
       if (chunk.at.parent == no_slot) continue;
-      nodes[chunks[chunk.at.parent].first_node].child[chunk.at.slot] = static_cast<std::uint32_t>(chunk.first_node);
+      nodes[chunks[chunk.at.parent].first_node].child[chunk.at.slot] = chunk.first_node;
     }
+    return triangle_count;
+  }
+
+  static void move_down(WideBvh& out, std::uint32_t from, std::uint32_t count, std::uint32_t to) {
+    std::copy_n(out.triangles.begin() + from, count, out.triangles.begin() + to);
+    const auto corners = [&](std::uint32_t at) { return out.corners.begin() + 9 * std::ptrdiff_t{at}; };
+    std::copy(corners(from), corners(from + count), corners(to));
   }
 
   /// The node with indices of the whole tree.
   static Node moved(Node node, const Chunk& chunk) {
     for (std::uint32_t& child : node.child) {
       if (child == WideChild::none) continue;
-      child += static_cast<std::uint32_t>(WideChild::is_leaf(child) ? chunk.first_triangle : chunk.first_node);
+      child = WideChild::is_leaf(child) ? child - chunk.gap : child + chunk.first_node;
     }
     return node;
   }
@@ -151,21 +177,31 @@ class WideWriter {
     return part;
   }
 
-  void write_node(Node& node, const Pending& at, std::uint32_t index, std::vector<Pending>& pending, WideBvh& rest) const {
-    rest.height = std::max(rest.height, at.depth);
+  void write_node(Node& node, const Pending& at, std::uint32_t index, std::vector<Pending>& pending, Leaves& leaves) const {
+    leaves.height = std::max(leaves.height, at.depth);
     std::array<Part, width> parts;
     const std::uint32_t count = children(at.part, parts);
-    std::stable_sort(parts.begin(), parts.begin() + count, [](const Part& a, const Part& b) { return a.measure < b.measure; });
+    sort_by_measure(parts.data(), count);
     std::array<Box, width> boxes;
     for (std::uint32_t i = 0; i < count; ++i) {
       boxes[i] = bvh_.nodes[parts[i].node].box;
-      node.child[i] = parts[i].leaf ? write_leaf(parts[i], rest) : 0;
+      node.child[i] = parts[i].leaf ? append_leaf(parts[i], leaves) : 0;
     }
     for (std::size_t i = count; i < width; ++i) node.child[i] = WideChild::none;
     set_boxes(node, {boxes.data(), count});
     node.order = slot_orders<Node::width>({boxes.data(), count});
     for (std::uint32_t i = count; i-- > 0;) {
       if (!parts[i].leaf) pending.push_back({parts[i], index, i, at.depth + 1});
+    }
+  }
+
+  /// By insertion, equal ones in the order they come in: for so few nothing is quicker.
+  static void sort_by_measure(Part* parts, std::uint32_t count) {
+    for (std::uint32_t i = 1; i < count; ++i) {
+      const Part part = parts[i];
+      std::uint32_t at = i;
+      for (; at > 0 && part.measure < parts[at - 1].measure; --at) parts[at] = parts[at - 1];
+      parts[at] = part;
     }
   }
 
@@ -192,7 +228,7 @@ class WideWriter {
     return parts;
   }
 
-  std::uint32_t write_leaf(const Part& part, WideBvh& rest) const {
+  std::uint32_t append_leaf(const Part& part, Leaves& leaves) const {
     std::array<std::uint32_t, WideChild::most_in_leaf> ids;
     std::uint32_t n = part.count;
     if (n > 0) {
@@ -205,7 +241,7 @@ class WideWriter {
       std::sort(ids.begin(), ids.begin() + n);
       n = static_cast<std::uint32_t>(std::unique(ids.begin(), ids.begin() + n) - ids.begin());
     }
-    return append_leaf(rest, scene_, {ids.data(), n});
+    return write_leaf(leaves.tree, scene_, std::exchange(leaves.next, leaves.next + n), {ids.data(), n});
   }
 
   std::uint32_t gather(std::uint32_t top, std::array<std::uint32_t, WideChild::most_in_leaf>& ids) const {

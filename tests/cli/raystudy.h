@@ -12,8 +12,9 @@ struct Outcome {
   std::string text;  ///< standard output and error
 };
 
-inline Outcome raystudy(const std::string& arguments) {
-  const std::string command = std::string(RAYSTUDY_BINARY_DIR) + "/bin/raystudy " + arguments + " 2>&1";
+/// `environment`: variables of the shell, NAME=value, for this run.
+inline Outcome raystudy(const std::string& arguments, const std::string& environment = "") {
+  const std::string command = environment + " " + std::string(RAYSTUDY_BINARY_DIR) + "/bin/raystudy " + arguments + " 2>&1";
   std::FILE* pipe = ::popen(command.c_str(), "r");
   Outcome outcome;
   std::array<char, 4096> buffer{};

@@ -48,6 +48,17 @@ TEST_F(Tree, BinaryOnesAreSavedShownAndLoaded) {
                                  HasSubstr("traced by    scalar: closest and any hits of 500 random rays are right\n")));
 }
 
+TEST_F(Tree, AreTracedWithoutADriverByTracersThatNeedNone) {
+  const std::string path = saved();
+  const std::string without = "VK_ICD_FILENAMES=/none";
+  const Outcome loaded = raystudy("tree load " + path + " --scene terrain --triangles 1000 --rays 100", without);
+  const Outcome drawn = raystudy("render terrain --triangles 1000 --width 16 --height 16 --heat-map --output " + file("a.png"), without);
+  EXPECT_EQ(loaded.code, 0);
+  EXPECT_THAT(loaded.text, AllOf(HasSubstr("traced by    scalar: "),
+                                 HasSubstr("not traced   gpu: there is no Vulkan device on this machine\n")));
+  EXPECT_EQ(drawn.code, 0) << drawn.text;
+}
+
 TEST_F(Tree, WideOnesToo) {
   const std::string path = saved("--builder 'sweep-sah: {leaves: sah}' --encode 'bvh8: {boxes: 8-bit}'");
   EXPECT_THAT(raystudy("tree info " + path).text, AllOf(HasSubstr("tree         wide-bvh of 8 children a node, 8-bit boxes\n"),
