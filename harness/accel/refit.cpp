@@ -105,21 +105,22 @@ struct Pass {
 };
 
 /// From a pair of leaves up as long as the other child of the way is done too; nothing for other pairs, which are met from below.
-/// Whoever comes second to a pair sees what the first has written, and leaves its count as it was before the refit.
+/// Whoever comes second to a pair sees what the first has written, and leaves its count as it was before the refit. Which nodes
+/// are leaves is read from `leaves`, a bit a node: a node may just be written, links and all.
 void climb(const Pass& pass, std::uint32_t pair, const std::vector<std::uint32_t>& parents,
-           std::vector<std::atomic<std::uint8_t>>& arrivals) {
+           const std::vector<std::uint64_t>& leaves, std::vector<std::atomic<std::uint8_t>>& arrivals) {
+  const auto is_leaf = [&leaves](std::uint32_t n) { return ((leaves[n / 64] >> (n % 64)) & 1U) != 0; };
   for (std::uint32_t n = 2 * pair; n < 2 * pair + nodes_in(pair); ++n) {
-    if (!pass.nodes[n].is_leaf()) return;
+    if (!is_leaf(n)) return;
   }
   pass.pair(pair);
   while (pair != 0) {
     const std::uint32_t parent = parents[pair];
     pass.inner(pass.nodes[parent]);
     pair = parent / 2;
-    Bvh2Node& sibling = pass.nodes[parent ^ 1U];
     if (pair == 0) return;
-    if (sibling.is_leaf()) {
-      pass.leaf(sibling);
+    if (is_leaf(parent ^ 1U)) {
+      pass.leaf(pass.nodes[parent ^ 1U]);
     } else if (arrivals[pair].fetch_xor(1, std::memory_order_acq_rel) == 0) {
       return;
     }
@@ -246,8 +247,14 @@ void Refitter::list_subtrees(const Bvh2& bvh, const std::vector<std::uint32_t>& 
 
 void Refitter::list_parents(const Bvh2& bvh) {
   parents_.resize(bvh.nodes.size() / 2);
+  leaves_.resize((bvh.nodes.size() + 63) / 64);
   for (std::uint32_t n = 0; n < bvh.nodes.size(); ++n) {
-    if (n != 1 && !bvh.nodes[n].is_leaf()) parents_[bvh.nodes[n].first / 2] = n;
+    if (n == 1) continue;
+    if (bvh.nodes[n].is_leaf()) {
+      leaves_[n / 64] |= std::uint64_t{1} << (n % 64);
+    } else {
+      parents_[bvh.nodes[n].first / 2] = n;
+    }
   }
   arrivals_ = std::vector<std::atomic<std::uint8_t>>(parents_.size());
 }
@@ -286,7 +293,7 @@ void Refitter::refit_all(Bvh2& bvh, std::span<const Vec3> vertices) {
       break;
     case RefitMethod::atomics:
       parallel_for_blocks(pairs, least_pairs_a_task, threads_, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t p = end; p-- > begin;) climb(pass, static_cast<std::uint32_t>(p), parents_, arrivals_);
+        for (std::size_t p = end; p-- > begin;) climb(pass, static_cast<std::uint32_t>(p), parents_, leaves_, arrivals_);
       });
       break;
   }

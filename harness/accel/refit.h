@@ -59,7 +59,7 @@ class Refitter {
   std::size_t node_slots_;
   std::vector<Triangle> corners_;                    ///< of Bvh2::triangles, in their order
   std::vector<std::uint32_t> order_;                 ///< pairs depth first; empty where memory has them so
-  std::vector<std::uint64_t> leaves_;                ///< in that order, a bit a node: whether it is a leaf
+  std::vector<std::uint64_t> leaves_;                ///< a bit a node, in that order (atomics: in memory's): whether it is a leaf
   std::vector<Range> subtrees_;                      ///< of RefitMethod::subtrees
   std::vector<std::uint32_t> above_subtrees_;        ///< pairs that are in none of them, parents first
   std::vector<std::uint32_t> parents_;               ///< of RefitMethod::atomics: for each pair the node that it is below
