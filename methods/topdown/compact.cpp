@@ -34,9 +34,10 @@ struct Move {
   std::uint32_t children = 0;
 };
 
-Bvh2Node with_children_at(Bvh2Node node, std::uint32_t children) {
-  if (!node.is_leaf()) node.first = children;
-  return node;
+Bvh2Node with_children_at(const Bvh2Node& node, std::uint32_t children) {
+  Bvh2Node moved = node;
+  if (!node.is_leaf()) moved.first = children;
+  return moved;
 }
 
 /// The nodes above the blocks by themselves, the blocks' roots, and how many slots there will be.
