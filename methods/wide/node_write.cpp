@@ -111,8 +111,9 @@ SlotOrders<W> slot_orders(std::span<const Box> boxes) {
       place -= (other > distance) | ((other == distance) & (slot > static_cast<std::int32_t>(i)));
     }
     for (std::size_t i = 0; i < unused; ++i) orders[row][i] = static_cast<std::uint8_t>(used + i);
-    for (std::size_t i = 0; i < used; ++i)
+    for (std::size_t i = 0; i < used; ++i) {
       orders[row][unused + static_cast<std::size_t>(place[i])] = static_cast<std::uint8_t>(i);
+    }
   }
   return orders;
 }
