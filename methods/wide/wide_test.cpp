@@ -133,6 +133,9 @@ TEST(SlotOrders, AreFromTheFarthestForEachOctant) {
   EXPECT_EQ(orders[1], (std::array<std::uint8_t, 4>{3, 2, 0, 1}));  // down along x: that at x = 5
   EXPECT_EQ(orders[2], (std::array<std::uint8_t, 4>{3, 1, 0, 2}));  // down along y: that at y = 9
   EXPECT_EQ(orders[3], (std::array<std::uint8_t, 4>{3, 0, 1, 2}));
+  // Of equals the earlier comes first.
+  EXPECT_EQ(slot_orders<4>(std::vector<Box>{boxes[1], boxes[0], boxes[0], boxes[1]})[0],
+            (std::array<std::uint8_t, 4>{0, 3, 1, 2}));
 }
 
 TEST(WideRay, IsInvalidWhereItCanHitNothing) {
@@ -203,6 +206,28 @@ TEST(Encoding, IsTheSameForAnyThreads) {
         }
       }
     }
+  }
+}
+
+TEST(Encoding, OfTrianglesWithSeveralReferencesIsTheSameForAnyThreads) {
+  const Registry& registry = Registry::instance();
+  const Scene scene = test::soup(3000, 0.3F, 1);
+  const auto tree = registry.create<Builder>(registry.ref(Role::builder, "sbvh"))->build(scene, {});
+  const auto& bvh = dynamic_cast<const Bvh2&>(*tree);
+  const auto encoder = registry.create<Encoder>(registry.ref(Role::encoder, "bvh8"));
+  std::vector<std::unique_ptr<Accel>> encoded;
+  for (const int threads : {1, 2, 3}) {
+    BuildContext context;
+    context.threads = threads;
+    encoded.push_back(encoder->encode(bvh, scene, context));
+  }
+  const auto& one = dynamic_cast<const WideBvh&>(*encoded[0]);
+  ASSERT_LT(one.triangles.size(), bvh.triangles.size()) << "no leaf was joined of two references to a triangle";
+  for (const std::size_t i : {1U, 2U}) {
+    const auto& many = dynamic_cast<const WideBvh&>(*encoded[i]);
+    EXPECT_TRUE(one.nodes == many.nodes);
+    EXPECT_EQ(one.triangles, many.triangles);
+    EXPECT_TRUE(one.corners == many.corners);
   }
 }
 
